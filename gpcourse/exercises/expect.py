@@ -1,0 +1,272 @@
+"""What a check can expect of an answer.
+
+Structure comes first: the functions that take a student's value turn it into a plain array, number
+or mesh of ours, or raise `Wrong` with the most basic thing that is not right. None of them raises
+anything else, whatever the value is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import numpy as np
+
+from gpcourse.errors import GeometryError, HalfedgeError
+from gpcourse.geometry.arrays import FloatArray, IntArray, flatten_polygons
+from gpcourse.geometry.halfedge_mesh import HalfedgeMesh
+
+if TYPE_CHECKING:
+    from gpcourse.exercises.judging import Asked
+    from gpcourse.view.scene import Scene
+
+
+class Wrong(Exception):
+    """An answer that is not right, and why.
+
+    Parameters
+    ----------
+    message : str
+        What is not right, in a sentence or two.
+    yours, truth : str, optional
+        What was computed and what is true, where showing it does not give the answer away.
+    on : str, optional
+        The input, in words.
+    picture : callable, optional
+        Makes the scene that shows it. It is called only when somebody looks.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        yours: str = "",
+        truth: str = "",
+        on: str = "",
+        picture: Callable[[], Scene] | None = None,
+    ) -> None:
+        super().__init__(message)
+        self.message = message
+        self.yours = yours
+        self.truth = truth
+        self.on = on
+        self.picture = picture
+
+
+def brief(value: object, limit: int = 120) -> str:
+    """Write a value in one line of at most `limit` characters."""
+    try:
+        text = repr(value.tolist()) if isinstance(value, np.ndarray) and value.size <= 64 else repr(value)
+    except Exception:  # noqa: BLE001  # a student's __repr__ may fail
+        text = f"a {type(value).__name__}"
+    text = " ".join(text.split())
+    return text if len(text) <= limit else text[: limit - 2] + " …"
+
+
+def that(holds: object, message: str, **details: Any) -> None:
+    """Expect that `holds` is true; `message` and `details` are those of `Wrong`."""
+    if not holds:
+        raise Wrong(message, **details)
+
+
+def _refuse(what: str, wanted: str, value: object, on: str) -> NoReturn:
+    raise Wrong(f"{what} should be {wanted}; it is a {type(value).__name__}.", yours=brief(value), on=on)
+
+
+def boolean(value: object, what: str = "The result", *, on: str = "") -> bool:
+    """Expect True or False; numpy's own are as good."""
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if value is None:
+        raise Wrong(f"{what} is None: is a `return` missing?", on=on)
+    _refuse(what, "True or False", value, on)
+
+
+def number(value: object, what: str = "The result", *, on: str = "") -> float:
+    """Expect one finite real number; an array of one element is as good."""
+    if value is None:
+        raise Wrong(f"{what} is None: is a `return` missing?", on=on)
+    numbers = _array(value, what, "one number", on)
+    if numbers.size != 1 or numbers.dtype.kind not in "iuf":
+        raise Wrong(f"{what} should be one number; it has shape {numbers.shape}.", yours=brief(value), on=on)
+    result = float(numbers.reshape(()))
+    if not np.isfinite(result):
+        raise Wrong(f"{what} is {result}, not a finite number.", on=on)
+    return result
+
+
+def integer(value: object, what: str = "The result", *, on: str = "") -> int:
+    """Expect a whole number; 2.0 is as good as 2."""
+    result = number(value, what, on=on)
+    if result != int(result):
+        raise Wrong(f"{what} should be a whole number.", yours=brief(value), on=on)
+    return int(result)
+
+
+def indices(value: object, what: str = "The result", *, on: str = "") -> IntArray:
+    """Expect a list of whole numbers: a list, a tuple, an array of shape (k,), (k, 1) or (1, k)."""
+    if value is None:
+        raise Wrong(f"{what} is None: is a `return` missing?", on=on)
+    if isinstance(value, (set, frozenset, dict)):
+        raise Wrong(f"{what} is a {type(value).__name__}, which keeps no order; return a list.", on=on)
+    array = _array(value, what, "a list of indices", on)
+    if array.size == 0:
+        return np.empty(0, dtype=np.int64)
+    if array.size != max(array.shape, default=0):
+        raise Wrong(f"{what} should be a list of indices; it has shape {array.shape}.", on=on)
+    flat = array.ravel()
+    if flat.dtype.kind not in "iu" and not (flat.dtype.kind == "f" and bool((flat == np.floor(flat)).all())):
+        raise Wrong(f"{what} should hold indices, which are whole numbers.", yours=brief(value), on=on)
+    if not bool((np.abs(flat.astype(float)) < 2**62).all()):  # NaN and what does not fit an index
+        raise Wrong(f"{what} holds numbers that are no indices.", yours=brief(value), on=on)
+    return flat.astype(np.int64)
+
+
+def array(
+    value: object, shape: tuple[int | None, ...], what: str = "The result", *, on: str = ""
+) -> FloatArray:
+    """Expect finite real numbers in an array of `shape`; None in the shape stands for any length.
+
+    A list is as good as an array, and (k,) as good as (k, 1) or (1, k).
+    """
+    if value is None:
+        raise Wrong(f"{what} is None: is a `return` missing?", on=on)
+    numbers = _array(value, what, f"an array of shape {_shape(shape)}", on)
+    if len(shape) == 1 and numbers.ndim == 2 and 1 in numbers.shape:
+        numbers = numbers.ravel()
+    fits = numbers.ndim == len(shape) and all(
+        want is None or want == have for want, have in zip(shape, numbers.shape, strict=True)
+    )
+    if not fits:
+        raise Wrong(f"{what} has shape {numbers.shape}; it should have shape {_shape(shape)}.", on=on)
+    if numbers.dtype.kind not in "biuf":
+        raise Wrong(f"{what} holds {numbers.dtype} values, not real numbers.", yours=brief(value), on=on)
+    result = numbers.astype(np.float64)
+    if not np.isfinite(result).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(result))[0])
+        raise Wrong(f"{what} holds {result[where]} at index {where}.", on=on)
+    return result
+
+
+def close(
+    value: FloatArray | float,
+    truth: FloatArray | float,
+    tolerance: float,
+    what: str,
+    *,
+    on: str = "",
+    **details: Any,
+) -> None:
+    """Expect numbers within an absolute `tolerance` of the truth; names the worst one. NaN fails."""
+    have, want = np.asarray(value, dtype=float), np.asarray(truth, dtype=float)
+    error = np.abs(have - want)
+    if bool((error <= tolerance).all()):
+        return
+    if error.ndim == 0:
+        raise Wrong(
+            f"{what} is not right.", yours=f"{float(have):.6g}", truth=f"{float(want):.6g}", on=on, **details
+        )
+    worst = np.unravel_index(int(np.argmax(np.where(np.isnan(error), np.inf, error))), error.shape)
+    many = int(np.count_nonzero(~(error <= tolerance)))
+    index = ", ".join(str(int(i)) for i in worst)
+    raise Wrong(
+        f"{what}: {many} of {error.size} numbers differ; the worst is at index [{index}].",
+        yours=f"{have[worst]:.6g}",
+        truth=f"{np.broadcast_to(want, error.shape)[worst]:.6g}",
+        on=on,
+        **details,
+    )
+
+
+def polygons(value: object, n_vertices: int, what: str = "The faces", *, on: str = "") -> list[list[int]]:
+    """Expect faces: an (m, k) array or a list of index lists, each with at least three different vertices."""
+    if value is None:
+        raise Wrong(f"{what} are None: is a `return` missing?", on=on)
+    try:
+        corners, sizes = flatten_polygons(_integral(value), n_vertices)
+    except GeometryError as error:
+        raise Wrong(f"{what} are not polygons: {error}.", yours=brief(value), on=on) from None
+    return [part.tolist() for part in np.split(corners, np.cumsum(sizes)[:-1])] if len(sizes) else []
+
+
+def mesh(value: object, what: str = "The result", *, on: str = "") -> HalfedgeMesh:
+    """Expect a HalfedgeMesh whose records agree with each other."""
+    if value is None:
+        raise Wrong(f"{what} is None: is a `return` missing?", on=on)
+    if not isinstance(value, HalfedgeMesh):
+        _refuse(what, "a HalfedgeMesh", value, on)
+    try:
+        value.validate()
+    except HalfedgeError as error:
+        raise Wrong(f"The records contradict each other. {_sentence(str(error))}", on=on) from None
+    return value
+
+
+def same_cycle(value: IntArray, truth: Sequence[int], what: str, *, on: str = "", **details: Any) -> None:
+    """Expect the same items in the same cyclic order, from any start."""
+    if not cyclic_equal(value.tolist(), list(truth)):
+        raise Wrong(what, yours=brief(value), on=on, **details)
+
+
+def cyclic_equal(a: list[int], b: list[int]) -> bool:
+    """Tell whether two lists of different items are equal but for where they start."""
+    if len(a) != len(b) or not a:
+        return len(a) == len(b)
+    return b[0] in a and a[a.index(b[0]) :] + a[: a.index(b[0])] == b
+
+
+def refusal(asked: Asked, *arguments: Any, because: str, naming: Sequence[int] = (), on: str = "") -> None:
+    """Expect a ValueError whose text names the numbers in `naming`, so that its reader finds the fault."""
+    answer = asked.answer(*arguments)
+    if answer.status == "returned":
+        raise Wrong(
+            f"Nothing was raised, though {because}. Raise a ValueError that says where.",
+            yours=brief(answer.value), on=on,
+        )  # fmt: skip
+    trouble = answer.trouble
+    if trouble is None or "ValueError" not in trouble.types:
+        seen = trouble.types[0] if trouble else "an exception"
+        raise Wrong(
+            f"{because[0].upper()}{because[1:]}, and the function died with {seen}. Raise a ValueError.",
+            on=on,
+        )
+    missing = [n for n in naming if not _mentions(trouble.message, n)]
+    if missing:
+        raise Wrong(
+            f"The ValueError does not say where: {because}, and its text does not name {missing[0]}.",
+            yours=brief(trouble.message), on=on,
+        )  # fmt: skip
+
+
+def _mentions(text: str, n: int) -> bool:
+    import re
+
+    return re.search(rf"(?<!\d){n}(?!\d)", text) is not None
+
+
+def _array(value: object, what: str, wanted: str, on: str) -> np.ndarray[Any, Any]:
+    try:
+        dense = value.toarray() if hasattr(value, "toarray") else value
+        result = np.asarray(dense)
+    except Exception:  # noqa: BLE001  # a student's value may be of any kind
+        _refuse(what, wanted, value, on)
+    if result.dtype.kind not in "biufc":
+        _refuse(what, wanted, value, on)
+    return result
+
+
+def _integral(value: object) -> object:
+    """Turn faces of whole floats, or an iterator of faces, into what `flatten_polygons` reads."""
+    if isinstance(value, np.ndarray) and value.dtype.kind == "f" and bool((value == np.floor(value)).all()):
+        return value.astype(np.int64)
+    return value
+
+
+def _shape(shape: tuple[int | None, ...]) -> str:
+    names = iter("kmn")
+    inside = ", ".join(next(names, "k") if n is None else str(n) for n in shape)
+    return f"({inside},)" if len(shape) == 1 else f"({inside})"
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:] + ("" if text.endswith((".", "?", "!")) else ".")

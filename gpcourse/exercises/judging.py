@@ -1,0 +1,228 @@
+"""Asking a student's function the questions of an exercise, and the verdict on its answers.
+
+A check sees a callable. Here it is `Asked`, which puts every question to `ask`: in a notebook that
+calls the student's function, in grading it sends the question to another process. The verdict is
+the same.
+"""
+
+from __future__ import annotations
+
+import traceback
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from gpcourse.exercises.exercise import Check, Exercise, Mistake
+from gpcourse.exercises.expect import Wrong
+from gpcourse.sandbox.call import Answer, Trouble, call
+from gpcourse.sandbox.values import same
+
+Outcome = Literal[
+    "passed", "failed", "error", "timeout", "crashed", "out of memory", "not attempted", "grader fault"
+]
+
+#: ``ask(arguments, limit)`` puts one question to the student's function.
+Ask = Callable[[tuple[Any, ...], float], Answer]
+
+#: Once a call has run into its time limit, the later ones get this many seconds.
+IMPATIENT = 0.5
+
+#: Numbers of a student and of a mistake agree within this, relative to the largest.
+#: Two ways to sum the same terms differ by about 1e-15 a term; a wrong factor by far more than 1e-8.
+AGREE = 1e-8
+
+_OUTCOMES: dict[str, Outcome] = {
+    "raised": "error", "timeout": "timeout", "crashed": "crashed", "out of memory": "out of memory",
+}  # fmt: skip
+
+
+class NoAnswer(Exception):
+    """Raised inside a check when a call did not return."""
+
+    def __init__(self, answer: Answer) -> None:
+        super().__init__(answer.status)
+        self.answer = answer
+
+
+@dataclass(frozen=True)
+class Question:
+    """One call and what came of it."""
+
+    arguments: tuple[Any, ...]
+    answer: Answer
+
+
+@dataclass
+class Asked:
+    """The callable that a check sees. Calling it returns the student's value, or raises `NoAnswer`."""
+
+    exercise: Exercise
+    ask: Ask
+    limit: float
+    questions: list[Question] = field(default_factory=list)
+
+    def __call__(self, *arguments: Any) -> Any:
+        answer = self.answer(*arguments)
+        if answer.status != "returned":
+            raise NoAnswer(answer)
+        return answer.value
+
+    def answer(self, *arguments: Any) -> Answer:
+        """Ask, and return all that came of it: for checks that expect an exception."""
+        answer = self.ask(arguments, self.limit)
+        self.questions.append(Question(arguments, answer))
+        if answer.status == "timeout":
+            self.limit = min(self.limit, IMPATIENT)
+        if answer.status not in ("returned", "raised") or stub(self.exercise, answer):
+            raise NoAnswer(answer)
+        return answer
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """How one check went.
+
+    `wrong` is set when the outcome is ``failed``, `trouble` when student code did not return, `fault`
+    (our traceback) when the check itself broke. `questions` are those of this check, the last one is
+    the one that went wrong.
+    """
+
+    check: Check
+    outcome: Outcome
+    wrong: Wrong | None = None
+    trouble: Trouble | None = None
+    fault: str = ""
+    mistake: Mistake | None = None
+    questions: tuple[Question, ...] = ()
+
+    @property
+    def points(self) -> int:
+        """The points of the check where it passed, else 0."""
+        return self.check.points if self.outcome == "passed" else 0
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """How one exercise went."""
+
+    exercise: Exercise
+    outcome: Outcome
+    results: tuple[CheckResult, ...] = ()
+    changed: tuple[str, ...] = ()
+
+    @property
+    def points(self) -> int:
+        """The points reached."""
+        return sum(result.points for result in self.results)
+
+    @property
+    def mistakes(self) -> tuple[Mistake, ...]:
+        """The mistakes that were recognised, each once, in the order in which the checks met them."""
+        named = {r.mistake.name: r.mistake for r in self.results if r.mistake is not None}
+        return tuple(named.values())
+
+    @property
+    def first_problem(self) -> CheckResult | None:
+        """The first check that did not pass."""
+        return next((r for r in self.results if r.outcome != "passed"), None)
+
+
+def judge(exercise: Exercise, ask: Ask, seed: int) -> Verdict:
+    """Run every check of `exercise` and say how it went.
+
+    The inputs of a check depend on the seed, the exercise and the claim only, not on the other
+    checks. A stub is recognised at its first answer, and the other checks are then not run.
+    """
+    results: list[CheckResult] = []
+    limit = exercise.time_limit
+    for check in exercise.checks:
+        asked = Asked(exercise, ask, limit)
+        result = _run(check, asked, seed)
+        limit = asked.limit
+        if result.outcome == "not attempted":
+            return Verdict(exercise, "not attempted")
+        results.append(result)
+    results = name_mistakes(exercise, results)
+    first: Outcome = next((r.outcome for r in results if r.outcome != "passed"), "passed")
+    changed = {name: None for r in results for q in r.questions for name in q.answer.changed}
+    return Verdict(exercise, first, tuple(results), tuple(changed))
+
+
+def ask_here(function: Callable[..., Any]) -> Ask:
+    """Return an `Ask` that calls `function` in this process."""
+    return lambda arguments, limit: call(function, arguments, limit)
+
+
+def stub(exercise: Exercise, answer: Answer) -> bool:
+    """Tell whether the answer is that of an exercise's own stub, not of one that it calls."""
+    trouble = answer.trouble
+    return (
+        trouble is not None
+        and "NotImplementedError" in trouble.types
+        and trouble.function in ("", exercise.name)
+    )
+
+
+def _run(check: Check, asked: Asked, seed: int) -> CheckResult:
+    key = zlib.crc32(f"{asked.exercise.name}: {check.claim}".encode())
+    try:
+        check.run(asked, np.random.default_rng([seed, key]))
+    except Wrong as wrong:
+        return CheckResult(check, "failed", wrong=wrong, questions=tuple(asked.questions))
+    except NoAnswer as no_answer:
+        answer = no_answer.answer
+        outcome: Outcome = "not attempted" if stub(asked.exercise, answer) else _OUTCOMES[answer.status]
+        return CheckResult(check, outcome, trouble=answer.trouble, questions=tuple(asked.questions))
+    except Exception:  # noqa: BLE001  # whatever else goes wrong here is our fault, and must cost nobody a grade book
+        return CheckResult(
+            check, "grader fault", fault=traceback.format_exc(), questions=tuple(asked.questions)
+        )
+    return CheckResult(check, "passed", questions=tuple(asked.questions))
+
+
+def name_mistakes(exercise: Exercise, results: list[CheckResult]) -> list[CheckResult]:
+    """Give each failed check the known mistake that explains it, where there is one.
+
+    A mistake explains a check when it answers every question of that check as the student did.
+    Among those, the one that agrees with most of the student's other answers is named.
+    """
+    failed = [r for r in results if r.outcome not in ("passed", "grader fault")]
+    if not failed:
+        return results
+    agreement = [(m, [_agreements(exercise, m, r) for r in results]) for m in exercise.mistakes]
+    ranked = sorted(agreement, key=lambda entry: -sum(sum(flags) for flags in entry[1]))
+    named = list(results)
+    for i, result in enumerate(results):
+        if result not in failed or not result.questions:
+            continue
+        for mistake, flags in ranked:
+            if all(flags[i]):
+                named[i] = replace(result, mistake=mistake)
+                break
+    return named
+
+
+def _agreements(exercise: Exercise, mistake: Mistake, result: CheckResult) -> list[bool]:
+    return [_agrees(exercise, mistake, question) for question in result.questions]
+
+
+def _agrees(exercise: Exercise, mistake: Mistake, question: Question) -> bool:
+    theirs = question.answer
+    ours = call(mistake.function, question.arguments, exercise.time_limit)
+    if ours.status != theirs.status:
+        return False
+    if ours.status == "raised":
+        return (
+            ours.trouble is not None
+            and theirs.trouble is not None
+            and ours.trouble.types == theirs.trouble.types
+        )
+    try:
+        a = exercise.canonical(question.arguments, theirs.value)
+        b = exercise.canonical(question.arguments, ours.value)
+    except Exception:  # noqa: BLE001  # a student's value of any kind may not fit the canonical form
+        return False
+    return same(a, b, AGREE)

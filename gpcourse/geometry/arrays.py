@@ -88,12 +88,14 @@ def flatten_polygons(faces: object, n_vertices: int, name: str = "faces") -> tup
     Raises
     ------
     ArrayError
-        If the faces are not lists of integers.
+        If the faces are not lists of integers, or `n_vertices` is no count.
     MeshError
         If a face has fewer than three corners or an index is out of range.
     DegenerateFaceError
         If a face names a vertex twice.
     """
+    if not isinstance(n_vertices, (int, np.integer)) or n_vertices < 0:
+        raise ArrayError(f"n_vertices is {n_vertices!r}; give the number of vertices, a whole number")
     corners, sizes = _corners_and_sizes(faces, name)
     small = np.flatnonzero(sizes < 3)
     if len(small):

@@ -36,7 +36,10 @@ class Chapter:
         return sum(exercise.points for exercise in self.exercises)
 
 
-CHAPTERS = (Chapter(1, "halfedge", "Half-edge meshes"),)
+CHAPTERS = (
+    Chapter(0, "welcome", "Welcome"),
+    Chapter(1, "halfedge", "Half-edge meshes"),
+)
 
 
 @cache

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -85,7 +86,7 @@ def _(triangle_area: Asked, rng: np.random.Generator) -> None:
 def _(a: FloatArray, b: FloatArray, c: FloatArray) -> float:
     x, y, z = (np.linalg.norm(side) for side in (c - b, a - c, b - a))
     s = (x + y + z) / 2
-    return float(max(0.0, s * (s - x) * (s - y) * (s - z)) ** 0.5)
+    return math.sqrt(max(0.0, float(s * (s - x) * (s - y) * (s - z))))
 
 
 @TRIANGLE_AREA.variant("half of base times height")
@@ -98,7 +99,7 @@ def _(a: FloatArray, b: FloatArray, c: FloatArray) -> float:
 @TRIANGLE_AREA.variant("the sides' lengths and dot product")
 def _(a: FloatArray, b: FloatArray, c: FloatArray) -> float:
     u, v = b - a, c - a
-    return float(0.5 * max(0.0, (u @ u) * (v @ v) - (u @ v) ** 2) ** 0.5)
+    return 0.5 * math.sqrt(max(0.0, float((u @ u) * (v @ v) - (u @ v) ** 2)))
 
 
 @TRIANGLE_AREA.mistake(

@@ -47,7 +47,11 @@ class OrientationError(MeshError):
 
 
 class HalfedgeError(MeshError):
-    """Half-edge records that contradict each other."""
+    """Half-edge records that contradict each other. `halfedge` is the first one concerned."""
+
+    def __init__(self, message: str, halfedge: int | None = None) -> None:
+        super().__init__(message)
+        self.halfedge = halfedge
 
 
 class DegenerateFaceError(GeometryError):

@@ -26,9 +26,10 @@ class Chapter:
 
     @property
     def exercises(self) -> tuple[Exercise, ...]:
-        """The chapter's exercises, in the order in which they are declared."""
+        """The chapter's exercises, in the order of its notebook."""
         module = import_module(f"gpcourse.exercises.{self.stem}")
-        return tuple(value for value in vars(module).values() if isinstance(value, Exercise))
+        exercises: tuple[Exercise, ...] = module.EXERCISES
+        return exercises
 
     @property
     def points(self) -> int:

@@ -189,8 +189,17 @@ def polygons(value: object, n_vertices: int, what: str = "The faces", *, on: str
     return [part.tolist() for part in np.split(corners, np.cumsum(sizes)[:-1])] if len(sizes) else []
 
 
-def mesh(value: object, what: str = "The result", *, on: str = "") -> HalfedgeMesh:
-    """Expect a HalfedgeMesh whose records agree with each other."""
+def mesh(
+    value: object,
+    what: str = "The result",
+    *,
+    on: str = "",
+    picture: Callable[[int | None], Callable[[], Scene] | None] = lambda h: None,
+) -> HalfedgeMesh:
+    """Expect a HalfedgeMesh whose records agree with each other.
+
+    ``picture(h)`` makes the picture for half-edge h, whose records do not agree.
+    """
     if value is None:
         raise Wrong(f"{what} is None: is a `return` missing?", on=on)
     if not isinstance(value, HalfedgeMesh):
@@ -198,7 +207,8 @@ def mesh(value: object, what: str = "The result", *, on: str = "") -> HalfedgeMe
     try:
         value.validate()
     except HalfedgeError as error:
-        raise Wrong(f"The records contradict each other. {_sentence(str(error))}", on=on) from None
+        message = f"The records contradict each other. {_sentence(str(error))}"
+        raise Wrong(message, on=on, picture=picture(error.halfedge)) from None
     return value
 
 
@@ -215,27 +225,31 @@ def cyclic_equal(a: list[int], b: list[int]) -> bool:
     return b[0] in a and a[a.index(b[0]) :] + a[: a.index(b[0])] == b
 
 
-def refusal(asked: Asked, *arguments: Any, because: str, naming: Sequence[int] = (), on: str = "") -> None:
-    """Expect a ValueError whose text names the numbers in `naming`, so that its reader finds the fault."""
+def refusal(
+    asked: Asked, *arguments: Any, because: str, naming: Sequence[Sequence[int]] = (), on: str = ""
+) -> None:
+    """Expect a ValueError that tells its reader where the fault is.
+
+    `because` says in words what is wrong with the input. `naming` lists alternatives: the text must have
+    all numbers of one of them.
+    """
     answer = asked.answer(*arguments)
+    because = because[:1].upper() + because[1:]
     if answer.status == "returned":
-        raise Wrong(
-            f"Nothing was raised, though {because}. Raise a ValueError that says where.",
-            yours=brief(answer.value), on=on,
-        )  # fmt: skip
+        raise Wrong(f"{because}, but nothing was raised. Raise a ValueError that says where.", on=on)
     trouble = answer.trouble
     if trouble is None or "ValueError" not in trouble.types:
         seen = trouble.types[0] if trouble else "an exception"
         raise Wrong(
-            f"{because[0].upper()}{because[1:]}, and the function died with {seen}. Raise a ValueError.",
+            f"{because}, and the function died with {seen}. Raise a ValueError that says where.", on=on
+        )
+    if naming and not any(all(_mentions(trouble.message, n) for n in numbers) for numbers in naming):
+        numbers = " or ".join(" and ".join(map(str, numbers)) for numbers in naming)
+        raise Wrong(
+            f"{because}. The ValueError does not say where: its text should name {numbers}.",
+            yours=brief(trouble.message),
             on=on,
         )
-    missing = [n for n in naming if not _mentions(trouble.message, n)]
-    if missing:
-        raise Wrong(
-            f"The ValueError does not say where: {because}, and its text does not name {missing[0]}.",
-            yours=brief(trouble.message), on=on,
-        )  # fmt: skip
 
 
 def _mentions(text: str, n: int) -> bool:

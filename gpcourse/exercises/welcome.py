@@ -141,3 +141,6 @@ def _(a: FloatArray, b: FloatArray, c: FloatArray) -> float:
 )
 def _(a: FloatArray, b: FloatArray, c: FloatArray) -> float:
     return 0.5 * float(np.linalg.norm(b - a) * np.linalg.norm(c - a))
+
+
+EXERCISES = (TRIANGLE_AREA,)

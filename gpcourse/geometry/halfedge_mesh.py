@@ -147,7 +147,8 @@ class HalfedgeMesh:
             bad = np.flatnonzero((record < low) | (record >= high))
             if len(bad):
                 i = int(bad[0])
-                raise HalfedgeError(f"{name}[{i}] is {record[i]}; it must lie in {low} .. {high - 1}")
+                about = i if name in _PER_HALFEDGE else None
+                raise HalfedgeError(f"{name}[{i}] is {record[i]}; it must lie in {low} .. {high - 1}", about)
 
     def _check_orbits(self) -> None:
         """Each face is one orbit of next; each vertex is one orbit of next after twin."""
@@ -199,4 +200,5 @@ def _index_array(value: object, name: str) -> IntArray:
 def _require(holds: np.ndarray[Any, Any], message: str, names: IntArray | None = None) -> None:
     if not holds.all():
         first = int(np.argmin(holds))
-        raise HalfedgeError(message.format(first if names is None else int(names[first])))
+        about = first if message.startswith("half-edge") else None
+        raise HalfedgeError(message.format(first if names is None else int(names[first])), about)

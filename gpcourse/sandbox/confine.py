@@ -1,0 +1,109 @@
+"""Starting the process that student code runs in.
+
+`launch` is the seam: a stronger confinement is another function of the same form, which starts the same
+`worker.main` in namespaces, or forks it from a process that has numpy loaded already, and returns a `Line`.
+
+What this one gives: a process in a session and a working folder of its own, with a clean environment,
+limits of memory, processor time, file size and open files where the system has them; and `Line` gives
+each question a limit of wall-clock time. It does *not* keep student code from reading files or opening
+sockets.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from gpcourse.errors import WorkerError
+from gpcourse.sandbox import home
+from gpcourse.sandbox.line import Line
+
+_THREADS = ("OPENBLAS", "OMP", "MKL", "NUMEXPR", "VECLIB_MAXIMUM")
+_KEPT = ("OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE", "SYSTEMROOT", "WINDIR")
+_BOOT = """
+import sys
+sys.path[:] = [{home!r}] + [p for p in sys.path if p != {course!r}]
+from gpcourse.sandbox.worker import main
+main({limits!r})
+"""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a worker may use.
+
+    Attributes
+    ----------
+    load : float
+        Seconds to read the notebook, and to run what one function needs.
+    memory, file : int
+        Bytes of address space, and of one file that it writes.
+    processor : int
+        Seconds of processor time in all.
+    """
+
+    load: float = 20.0
+    memory: int = 3 * 2**30
+    processor: int = 600
+    file: int = 64 * 2**20
+
+    @property
+    def resources(self) -> dict[str, int]:
+        """The limits by their names in `resource`."""
+        return {
+            "RLIMIT_AS": self.memory,
+            "RLIMIT_CPU": self.processor,
+            "RLIMIT_FSIZE": self.file,
+            "RLIMIT_NOFILE": 256,
+            "RLIMIT_CORE": 0,
+        }
+
+
+def launch(package: Path, limits: Limits) -> Line:
+    """Start a worker process that imports gpcourse from `package` (see `home.build`).
+
+    Raises
+    ------
+    WorkerError
+        If the process cannot be started.
+    """
+    scratch = Path(tempfile.mkdtemp(prefix="gpcourse-scratch-"))
+    boot = _BOOT.format(home=str(package), course=str(home.PACKAGE.parent), limits=limits.resources)
+    try:
+        process = subprocess.Popen(
+            # Like -I, but with the fixed hash seed of the environment below: sets of strings have one order.
+            [sys.executable, "-s", "-P", "-B", "-W", "ignore", "-c", boot],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            bufsize=0,
+            cwd=scratch,
+            env=environment(scratch),
+            start_new_session=sys.platform != "win32",
+        )
+    except OSError as error:
+        shutil.rmtree(scratch, ignore_errors=True)
+        raise WorkerError(f"no process could be started for a notebook: {error}") from error
+    return Line(process, scratch)
+
+
+def environment(scratch: Path) -> dict[str, str]:
+    """Return the environment of a worker: nothing of ours but what the numerics of this machine need."""
+    fixed = {
+        "HOME": str(scratch),
+        "TMPDIR": str(scratch),
+        "TEMP": str(scratch),
+        "PATH": os.defpath,
+        "LANG": "C.UTF-8",
+        "PYTHONUTF8": "1",
+        "PYTHONHASHSEED": "0",
+        "MPLBACKEND": "Agg",
+        "MPLCONFIGDIR": str(scratch),
+    }
+    threads = {f"{name}_NUM_THREADS": "1" for name in _THREADS}
+    return fixed | threads | {name: os.environ[name] for name in _KEPT if name in os.environ}

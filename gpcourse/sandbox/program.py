@@ -1,0 +1,228 @@
+"""A notebook as a program: which of its statements an exercise needs.
+
+A notebook's demonstrations are not run. To call one function, only the statements are run, in their order,
+that bind a name which the function, or what it uses in turn, reads: imports, functions, classes, constants.
+So a plot that fails, an import that is not installed, a loop that never ends cost nothing where they are
+not used.
+"""
+
+from __future__ import annotations
+import __future__
+
+import ast
+import linecache
+import re
+import symtable
+import warnings
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from types import CodeType
+from typing import Any
+
+from gpcourse.sandbox.call import Trouble, describe
+
+#: Methods that change what they belong to: a bare call of one counts as a binding of the name before the dot.
+MUTATORS = {
+    "append",
+    "extend",
+    "insert",
+    "add",
+    "update",
+    "setdefault",
+    "pop",
+    "remove",
+    "clear",
+    "sort",
+    "fill",
+}
+
+#: Cell magics whose body is Python. The body of any other one is not.
+PYTHON_MAGICS = ("time", "timeit", "capture", "prun", "python", "python3", "py3")
+
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda)
+_DEFINITION = re.compile(r"^(?:async\s+)?(?:def|class)\s+(\w+)|^(\w+)\s*=", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A statement at the top level of a cell, the names it binds, and the global names it reads."""
+
+    cell: int
+    node: ast.stmt
+    binds: frozenset[str]
+    reads: frozenset[str]
+    always: bool = False
+
+    def compile(self, flags: int) -> CodeType:
+        """Compile it, so that errors quote its cell and line."""
+        module = ast.Module([self.node], type_ignores=[])
+        code: CodeType = compile(module, f"<cell {self.cell}>", "exec", flags, dont_inherit=True)
+        return code
+
+
+class Program:
+    """The code cells of a notebook, each with its number. A cell that is no Python costs itself only."""
+
+    def __init__(self, cells: Iterable[tuple[int, str]]) -> None:
+        self.statements: list[Statement] = []
+        self.broken: list[tuple[Trouble, frozenset[str]]] = []
+        self.flags = 0
+        for number, source in cells:
+            self._add(number, source)
+
+    def _add(self, number: int, source: str) -> None:
+        name = f"<cell {number}>"
+        linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
+        try:
+            tree = parse(source, name)
+        except Exception as error:  # noqa: BLE001  # SyntaxError, a null byte, nesting that is too deep
+            lost = frozenset(a or b for a, b in _DEFINITION.findall(source))
+            self.broken.append((_in_cell(describe(error), number), lost))
+            return
+        for node in tree.body:
+            statement = _analyse(number, node)
+            self.statements.append(statement)
+            if isinstance(node, ast.ImportFrom) and node.module == "__future__":
+                self.flags |= _future_flags(node)
+
+    @cached_property
+    def binders(self) -> dict[str, list[int]]:
+        """Map each name to the statements that bind it."""
+        table: dict[str, list[int]] = {}
+        for i, statement in enumerate(self.statements):
+            for name in statement.binds:
+                table.setdefault(name, []).append(i)
+        return table
+
+    def needed(self, name: str) -> list[Statement]:
+        """Return the statements that make `name` work, in the order of the notebook."""
+        chosen = {i for i, s in enumerate(self.statements) if s.always}
+        names = {name}.union(*(self.statements[i].reads for i in chosen))
+        waiting = list(names)
+        while waiting:
+            for i in self.binders.get(waiting.pop(), ()):
+                if i not in chosen:
+                    chosen.add(i)
+                    waiting.extend(self.statements[i].reads - names)
+                    names |= self.statements[i].reads
+        return [self.statements[i] for i in sorted(chosen)]
+
+    def is_stub(self, name: str) -> bool:
+        """Tell whether the last definition of `name` is a function that does nothing yet."""
+        where = self.binders.get(name, ())
+        node = self.statements[where[-1]].node if where else None
+        return isinstance(node, ast.FunctionDef) and all(map(_does_nothing, node.body))
+
+    def loss(self, name: str) -> Trouble | None:
+        """Return the error of the cell that would have defined `name`, where one is broken."""
+        return next((trouble for trouble, lost in reversed(self.broken) if name in lost), None)
+
+
+def parse(source: str, name: str) -> ast.Module:
+    """Parse the source of a cell; magics and shell lines are no part of it."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # an invalid escape in a docstring
+        try:
+            return ast.parse(source, name)
+        except SyntaxError:
+            plain = without_magics(source)
+            if plain == source:
+                raise
+            return ast.parse(plain, name)
+
+
+def without_magics(source: str) -> str:
+    """Replace IPython's own lines by lines of Python that do nothing; the line numbers stay."""
+    lines = source.split("\n")
+    first = next((i for i, line in enumerate(lines) if line.strip()), 0)
+    if lines[first].startswith("%%"):
+        magic = lines[first][2:].split(maxsplit=1)
+        if not magic or magic[0] not in PYTHON_MAGICS:
+            return ""
+        lines[first] = ""
+    return "\n".join(map(_plain_line, lines))
+
+
+def _plain_line(line: str) -> str:
+    body = line.lstrip()
+    indent = line[: len(line) - len(body)]
+    if body.startswith(("%", "!", "?")) or re.fullmatch(r"[\w.]+\s*\?{1,2}\s*", body):
+        return f"{indent}pass"
+    shell = re.match(r"([\w, ]+)=\s*[%!]\s*[\w.]", body)
+    return f"{indent}{shell[1]}= None" if shell else line
+
+
+def _analyse(number: int, node: ast.stmt) -> Statement:
+    binds, reads = set(_changes(node)), set(_changes(node))
+    try:
+        table = symtable.symtable(ast.unparse(node), "<cell>", "exec")
+    except (SyntaxError, RecursionError, ValueError):  # compiling the statement will say so
+        return Statement(number, node, frozenset(_bound_in_text(node)), frozenset())
+    for symbol in table.get_symbols():
+        if symbol.is_assigned() or symbol.is_imported():
+            binds.add(symbol.get_name())
+        if symbol.is_referenced():
+            reads.add(symbol.get_name())
+    reads.update(_globals(table.get_children()))
+    star = isinstance(node, ast.ImportFrom) and any(alias.name == "*" for alias in node.names)
+    return Statement(number, node, frozenset(binds), frozenset(reads), always=star or _sets_recursion(node))
+
+
+def _globals(tables: Sequence[symtable.SymbolTable]) -> Iterator[str]:
+    for table in tables:
+        yield from (symbol.get_name() for symbol in table.get_symbols() if symbol.is_global())
+        yield from _globals(table.get_children())
+
+
+def _changes(node: ast.AST) -> Iterator[str]:
+    """Yield the names whose values are changed in place: ``a[0] = 1``, ``a.b = 1``, ``a.append(1)``."""
+    for inner in _outside_functions(node):
+        target: Any = None
+        if isinstance(inner, (ast.Subscript, ast.Attribute)) and isinstance(inner.ctx, ast.Store):
+            target = inner.value
+        elif isinstance(inner, ast.Expr) and isinstance(inner.value, ast.Call):
+            method = inner.value.func
+            if isinstance(method, ast.Attribute) and method.attr in MUTATORS:
+                target = method.value
+        while isinstance(target, (ast.Subscript, ast.Attribute)):
+            target = target.value
+        if isinstance(target, ast.Name):
+            yield target.id
+
+
+def _outside_functions(node: ast.AST) -> Iterator[ast.AST]:
+    yield node
+    if not isinstance(node, _FUNCTIONS):
+        for child in ast.iter_child_nodes(node):
+            yield from _outside_functions(child)
+
+
+def _sets_recursion(node: ast.stmt) -> bool:
+    return isinstance(node, ast.Expr) and "setrecursionlimit" in ast.unparse(node)
+
+
+def _bound_in_text(node: ast.stmt) -> Iterator[str]:
+    if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+        yield node.name
+
+
+def _does_nothing(node: ast.stmt) -> bool:
+    if isinstance(node, ast.Expr):
+        return isinstance(node.value, ast.Constant)  # the docstring, or an ellipsis
+    if isinstance(node, ast.Raise) and node.exc is not None:
+        return "NotImplementedError" in {n.id for n in ast.walk(node.exc) if isinstance(n, ast.Name)}
+    return isinstance(node, ast.Pass)
+
+
+def _future_flags(node: ast.ImportFrom) -> int:
+    flags = 0
+    for alias in node.names:
+        feature = getattr(__future__, alias.name, None)
+        flags |= getattr(feature, "compiler_flag", 0)
+    return flags
+
+
+def _in_cell(trouble: Trouble, number: int) -> Trouble:
+    message = re.sub(r" \(<cell \d+>, line \d+\)$", "", trouble.message)
+    return Trouble(trouble.types, message, "", trouble.line, trouble.source, f"cell {number}")

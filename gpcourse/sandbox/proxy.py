@@ -1,0 +1,203 @@
+"""The functions of a notebook, seen from the grader: asked by name, they answer, whatever happens.
+
+A process that crashed or had to be killed is replaced for the next question.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from gpcourse.sandbox.call import Answer, Status, Trouble
+from gpcourse.sandbox.confine import Limits, launch
+from gpcourse.sandbox.line import Gone, Line
+
+#: Seconds beyond its limit that a call gets to end by itself, before its process is killed.
+GRACE = 2.0
+
+_STATUSES: tuple[Status, ...] = ("returned", "raised", "timeout", "crashed", "out of memory")
+_STATUS_OF: dict[str, Status] = {status: status for status in _STATUSES}
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What a notebook holds: the names it binds, those that are stubs, and what is wrong with cells."""
+
+    names: tuple[str, ...] = ()
+    stubs: tuple[str, ...] = ()
+    broken: tuple[Trouble, ...] = ()
+    crash: Trouble | None = None
+
+
+@dataclass(frozen=True)
+class Ready:
+    """What came of preparing one function. `status` is ``ready``, ``missing`` or an Answer's."""
+
+    status: str
+    trouble: Trouble | None = None
+    notes: tuple[Trouble, ...] = ()
+
+
+@dataclass
+class Worker:
+    """The functions of one notebook, in another process. Use it in a ``with`` block.
+
+    Parameters
+    ----------
+    cells : list of (int, str)
+        The number and the source of each code cell.
+    package : Path
+        A folder made by `home.build`.
+    limits : Limits
+    start : callable
+        ``start(package, limits)`` starts a process and returns its `Line`.
+    """
+
+    cells: list[tuple[int, str]]
+    package: Path
+    limits: Limits = field(default_factory=Limits)
+    start: Callable[[Path, Limits], Line] = launch
+    _line: Line | None = None
+    _ready: dict[str, Ready] = field(default_factory=dict)
+
+    def __enter__(self) -> Worker:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the process, if one is running."""
+        if self._line is not None:
+            self._line.close()
+        self._line, self._ready = None, {}
+
+    def survey(self) -> Survey:
+        """Read the notebook without running anything of it."""
+        self.close()
+        try:
+            reply = self._start()
+        except Gone as gone:
+            return Survey(crash=self._trouble(gone))
+        return Survey(
+            _words(reply.get("names")), _words(reply.get("stubs")), _troubles(reply.get("broken"), self._line)
+        )
+
+    def prepare(self, name: str) -> Ready:
+        """Run what the function `name` needs, once in each process."""
+        try:
+            return self._prepare(name)
+        except Gone as gone:
+            self.close()
+            return Ready(gone.status, self._trouble(gone))
+
+    def ask(self, name: str, arguments: tuple[Any, ...], limit: float) -> Answer:
+        """Call the function `name` with `arguments` for at most `limit` seconds.
+
+        Raises
+        ------
+        WireError
+            If the arguments cannot be sent: a fault of the caller.
+        WorkerError
+            If no process can be started.
+        """
+        try:
+            ready = self._prepare(name)
+            if ready.status != "ready" or self._line is None:
+                return _refusal(name, ready)
+            reply = self._line.request("call", limit + GRACE, name=name, arguments=arguments, limit=limit)
+        except Gone as gone:
+            self.close()
+            return Answer(gone.status, trouble=self._trouble(gone))
+        return answer_from(reply, self._line)
+
+    def _start(self) -> dict[Any, Any]:
+        self._line = self.start(self.package, self.limits)
+        return self._line.request("load", self.limits.load + GRACE, cells=self.cells)
+
+    def _prepare(self, name: str) -> Ready:
+        if self._line is None:
+            self._start()
+        if name not in self._ready and self._line is not None:
+            seconds = self.limits.load
+            reply = self._line.request("prepare", seconds + GRACE, name=name, limit=seconds)
+            status = str(reply.get("status"))[:20]
+            status = status if status in ("ready", "missing", *_STATUSES) else "raised"
+            trouble = _trouble(reply.get("trouble"), self._line)
+            self._ready[name] = Ready(status, trouble, _troubles(reply.get("notes"), self._line))
+        return self._ready[name]
+
+    def _trouble(self, gone: Gone) -> Trouble:
+        """Say where a process crashed, as far as its own last words tell."""
+        found = re.search(r'File "<cell (\d{1,5})>", line (\d{1,6}) in (\w{1,100})', gone.place)
+        kind = "Timeout" if gone.status == "timeout" else "Crash"
+        if found is None:
+            return Trouble((kind,), str(gone))
+        cell, line = int(found[1]), int(found[2])
+        source = dict(self.cells).get(cell, "").splitlines()[line - 1 : line]
+        return Trouble((kind,), str(gone), found[3], line, "".join(source).strip(), f"cell {cell}")
+
+
+def answer_from(reply: dict[Any, Any], line: Line | None = None) -> Answer:
+    """Read an answer out of a reply. Whatever is in it, an `Answer` of plain values comes out."""
+    status = reply.get("status")
+    if status not in _STATUSES:
+        return Answer("crashed", trouble=Trouble(("Crash",), "it gave an answer without a status"))
+    seconds = reply.get("seconds")
+    return Answer(
+        status,
+        reply.get("value") if status == "returned" else None,
+        _trouble(reply.get("trouble"), line),
+        _words(reply.get("changed")),
+        seconds if isinstance(seconds, float) and seconds >= 0 else 0.0,
+    )
+
+
+def _refusal(name: str, ready: Ready) -> Answer:
+    """The answer for a function that is not there. Its error happened before anything was asked."""
+    trouble = ready.trouble or Trouble(("NameError",), f"there is no function {name}")
+    # Without its bases: an error of the cell must not pass for one that the function raised on its input.
+    first = "NotDefined" if "ValueError" in trouble.types[:1] else trouble.types[0]
+    trouble = Trouble(
+        (first,), trouble.message, trouble.function, trouble.line, trouble.source, trouble.place
+    )
+    return Answer(_STATUS_OF.get(ready.status, "raised"), trouble=trouble)
+
+
+def _trouble(value: object, line: Line | None) -> Trouble | None:
+    if not isinstance(value, tuple) or len(value) != 6:
+        return None
+    types, message, function, number, source, place = value
+    return Trouble(
+        _words(types) or ("Exception",),
+        _clean(message, line, 2000),
+        _clean(function, line, 100),
+        number if isinstance(number, int) and 0 <= number < 10**7 else 0,
+        _clean(source, line, 200),
+        _clean(place, line, 100),
+    )
+
+
+def _troubles(value: object, line: Line | None) -> tuple[Trouble, ...]:
+    items = value[:50] if isinstance(value, (list, tuple)) else ()
+    return tuple(trouble for item in items if (trouble := _trouble(item, line)) is not None)
+
+
+def _words(value: object) -> tuple[str, ...]:
+    items: Iterable[object] = value[:2000] if isinstance(value, (list, tuple)) else ()
+    return tuple(_clean(item, None, 100) for item in items if isinstance(item, str))
+
+
+def _clean(value: object, line: Line | None, limit: int) -> str:
+    """Make text of a student's fit for a report: short, printable, the same in each run."""
+    text = value if isinstance(value, str) else ""
+    if line is not None:
+        text = text.replace(f"{line.scratch}{os.sep}", "").replace(str(line.scratch), ".")
+    text = re.sub(r" at 0x[0-9a-fA-F]+", "", text[: 4 * limit])
+    text = re.sub(r"\x1b\[[0-9;]*[A-Za-z]", "", text)
+    text = "".join(c if c.isprintable() or c in "\n\t" else "�" for c in text)
+    return text if len(text) <= limit else text[: limit - 2] + " …"

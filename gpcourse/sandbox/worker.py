@@ -1,0 +1,211 @@
+"""The child: holds a notebook's functions and answers calls with values.
+
+It knows of no exercise, check, seed or solution. Its requests and replies are the frames of `wire`, on pipes
+that were its standard input and output; student code finds nothing but the null device there. The requests:
+
+- ``load`` (cells): which functions there are, which of them are stubs, which cells are broken;
+- ``prepare`` (name, limit): run what that function needs, in a namespace of its own;
+- ``call`` (name, arguments, limit): call it.
+"""
+
+from __future__ import annotations
+
+import builtins
+import contextlib
+import faulthandler
+import os
+import random
+import sys
+from collections.abc import Callable
+from dataclasses import astuple, dataclass, field
+from pathlib import Path
+from types import ModuleType
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from gpcourse.errors import WireError
+from gpcourse.sandbox import wire
+from gpcourse.sandbox.call import Answer, Trouble, call, describe
+from gpcourse.sandbox.deadline import TimeLimit, deadline
+from gpcourse.sandbox.program import Program, Statement
+
+#: Where the place of a crash is written, in the working folder.
+CRASH_FILE = "crash.txt"
+
+Message = dict[str, Any]
+
+
+@dataclass
+class Room:
+    """A namespace with what one function needs, and what went wrong while it was filled."""
+
+    module: ModuleType
+    status: str = "ready"
+    trouble: Trouble | None = None
+    notes: list[tuple[Any, ...]] = field(default_factory=list)
+
+
+class Notebook:
+    """The functions of a notebook. Each has a namespace of its own, so that none can spoil another's."""
+
+    def __init__(self) -> None:
+        self.program = Program([])
+        self.rooms: dict[str, Room] = {}
+
+    def load(self, cells: list[tuple[int, str]]) -> Message:
+        """Read the cells; nothing of them is run."""
+        self.program, self.rooms = Program(cells), {}
+        names = sorted(self.program.binders)
+        return {
+            "names": names,
+            "stubs": [name for name in names if self.program.is_stub(name)],
+            "broken": [astuple(trouble) for trouble, _ in self.program.broken],
+        }
+
+    def prepare(self, name: str, limit: float) -> Message:
+        """Run what `name` needs; the status is ``ready``, ``missing`` or that of an `Answer`."""
+        room = self.rooms[name] = Room(_module())
+        try:
+            with deadline(limit):
+                for statement in self.program.needed(name):
+                    self._run(statement, room, name)
+        except TimeLimit as error:
+            room.status, room.trouble = "timeout", describe(error)
+        if room.status == "ready" and not callable(vars(room.module).get(name)):
+            room.trouble = room.trouble or self.program.loss(name)
+            room.status = "missing" if room.trouble is None else "raised"
+        return {"status": room.status, "trouble": _plain(room.trouble), "notes": room.notes}
+
+    def _run(self, statement: Statement, room: Room, name: str) -> None:
+        try:
+            exec(statement.compile(self.program.flags), vars(room.module))
+        except TimeLimit:
+            raise
+        except BaseException as error:  # noqa: BLE001  # a student's statement may raise anything
+            trouble = describe(error)
+            place = trouble.place or f"cell {statement.cell}"
+            line = trouble.line or statement.node.lineno
+            trouble = Trouble(trouble.types, trouble.message, trouble.function, line, trouble.source, place)
+            room.notes.append(astuple(trouble))
+            if name in statement.binds:
+                room.trouble = trouble
+
+    def call(self, name: str, arguments: tuple[Any, ...], limit: float) -> Answer:
+        """Call the function `name`; random generators start from the same state at each call."""
+        if name not in self.rooms:
+            self.prepare(name, limit)
+        room = self.rooms[name]
+        if room.status != "ready":
+            return Answer("raised", trouble=room.trouble or Trouble(("NameError",), f"there is no {name}"))
+        sys.modules["__main__"] = room.module
+        random.seed(0)
+        np.random.seed(0)  # noqa: NPY002  # it is the legacy generator that a student may use unseeded
+        try:
+            return call(vars(room.module)[name], arguments, limit)
+        except KeyboardInterrupt as error:  # raised by the student's code: no terminal reaches this process
+            return Answer("raised", trouble=describe(error))
+
+
+def _module() -> ModuleType:
+    module = ModuleType("__main__")
+    vars(module).update(__builtins__=builtins, display=lambda *objects, **options: None)
+    sys.modules["__main__"] = module  # where dataclasses look for their annotations
+    return module
+
+
+def reply(answer: Answer, number: int, limit: float) -> bytes:
+    """Write an answer as a frame. A value that cannot be written becomes an exception of the student's."""
+    try:
+        with deadline(max(limit, 1.0)):  # writing runs code of theirs: __array__, __len__, __getitem__
+            return wire.pack(_message(answer, number), lenient=True)
+    except WireError as error:
+        trouble = Trouble(("ResultError",), f"the result cannot be read: {error}")
+        answer = Answer("raised", trouble=trouble, seconds=answer.seconds)
+    except TimeLimit as error:
+        answer = Answer("timeout", trouble=describe(error))
+    except MemoryError as error:
+        answer = Answer("out of memory", trouble=describe(error))
+    except BaseException as error:  # noqa: BLE001  # see above
+        answer = Answer("raised", trouble=describe(error))
+    return wire.pack(_message(answer, number), lenient=True)
+
+
+def _message(answer: Answer, number: int) -> Message:
+    return {
+        "number": number,
+        "status": answer.status,
+        "value": answer.value,
+        "trouble": _plain(answer.trouble),
+        "changed": answer.changed,
+        "seconds": answer.seconds,
+    }
+
+
+def _plain(trouble: Trouble | None) -> tuple[Any, ...] | None:
+    return None if trouble is None else astuple(trouble)
+
+
+def serve(read: Callable[[int], bytes], write: Callable[[bytes], Any]) -> None:
+    """Answer requests until there are no more."""
+    notebook = Notebook()
+    while True:
+        try:
+            request = wire.receive(read)
+        except EOFError:
+            return
+        number = request.pop("number")
+        match request.pop("do"):
+            case "call":
+                write(reply(notebook.call(**request), number, request["limit"]))
+            case "prepare":
+                write(wire.pack(notebook.prepare(**request) | {"number": number}))
+            case "load":
+                write(wire.pack(notebook.load(**request) | {"number": number}))
+
+
+def limit_resources(limits: dict[str, int]) -> None:
+    """Set the limits that the system has: `resource` names to values."""
+    try:
+        import resource
+    except ImportError:  # Windows has none
+        return
+    for name, value in limits.items():
+        kind = getattr(resource, name, None)
+        if kind is not None:
+            hard = resource.getrlimit(kind)[1]
+            most = value if hard == resource.RLIM_INFINITY else min(value, hard)
+            with contextlib.suppress(ValueError, OSError):  # macOS refuses some of them
+                resource.setrlimit(kind, (most, most))
+
+
+def private_pipes() -> tuple[BinaryIO, BinaryIO]:
+    """Move standard input and output to pipes that only this module knows, and put the null device there."""
+    source, sink = os.dup(0), os.dup(1)
+    null = os.open(os.devnull, os.O_RDWR)
+    for standard in (0, 1, 2):
+        os.dup2(null, standard)
+    os.close(null)
+    if sys.platform == "win32":
+        import msvcrt
+
+        for pipe in (source, sink):
+            msvcrt.setmode(pipe, os.O_BINARY)
+    return os.fdopen(source, "rb"), os.fdopen(sink, "wb", buffering=0)
+
+
+def main(limits: dict[str, int]) -> None:
+    """Serve on the standard pipes, within `limits`."""
+    source, sink = private_pipes()
+    sys.argv[:] = [""]
+    crashes = Path(CRASH_FILE).open("w")  # noqa: SIM115  # open until the end, which may come any time
+    faulthandler.enable(crashes)
+    limit_resources(limits)
+
+    def write(frame: bytes) -> None:
+        rest = memoryview(frame)
+        while rest:
+            rest = rest[sink.write(rest) :]
+
+    serve(source.read, write)
+    os._exit(0)  # threads and exit handlers of the student's do not keep it

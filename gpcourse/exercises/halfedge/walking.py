@@ -176,10 +176,18 @@ VERTEX_NEIGHBOURS_CW = Exercise(
 )
 
 
-def _expect_neighbours(f: Asked, mesh: HalfedgeMesh, faces: FaceLists, v: int, sense: int) -> None:
+def _expect_neighbours(
+    f: Asked, questions: list[tuple[HalfedgeMesh, int]], faces: FaceLists, sense: int
+) -> None:
+    """Ask all questions before the first answer is judged: one answer alone fits several mistakes."""
+    answers = [f(mesh, v) for mesh, v in questions]
+    for (mesh, v), answer in zip(questions, answers, strict=True):
+        _judge_neighbours(answer, mesh, v, neighbours_ccw(faces, v)[::sense], sense)
+
+
+def _judge_neighbours(answer: Any, mesh: HalfedgeMesh, v: int, ring: list[int], sense: int) -> None:
     on = f"vertex {v} of {mesh!r}"
-    mine = expect.indices(f(mesh, v), on=on)
-    ring = neighbours_ccw(faces, v)[::sense]
+    mine = expect.indices(answer, on=on)
     have, want = set(mine.tolist()), set(ring)
 
     details: dict[str, Any] = {
@@ -206,24 +214,22 @@ def _declare_neighbour_checks(exercise: Exercise, sense: int) -> None:
     def _(f: Asked, rng: Rng) -> None:
         shape = closed_triangles(rng)
         mesh, faces = mesh_of(shape, rng), face_lists(shape)
-        for v in range(mesh.n_vertices):
-            _expect_neighbours(f, mesh, faces, v, sense)
+        _expect_neighbours(f, [(mesh, v) for v in range(mesh.n_vertices)], faces, sense)
 
     @exercise.check("polygons: only vertices that share an edge are neighbours")
     def _(f: Asked, rng: Rng) -> None:
         shape = closed_polygons(rng)
         mesh, faces = mesh_of(shape, rng), face_lists(shape)
-        for v in rng.choice(mesh.n_vertices, 4, replace=False):
-            _expect_neighbours(f, mesh, faces, int(v), sense)
+        some = rng.choice(mesh.n_vertices, 4, replace=False)
+        _expect_neighbours(f, [(mesh, int(v)) for v in some], faces, sense)
 
     @exercise.check("a boundary vertex, whatever its representative", points=2)
     def _(f: Asked, rng: Rng) -> None:
         shape = bounded_triangles(rng)
         faces = face_lists(shape)
         border = sorted({v for cycle in hole_cycles(faces) for v in cycle})
-        for v in rng.choice(border, 4, replace=False):
-            for _ in range(3):
-                _expect_neighbours(f, mesh_of(shape, rng), faces, int(v), sense)
+        some = rng.choice(border, 4, replace=False)
+        _expect_neighbours(f, [(mesh_of(shape, rng), int(v)) for v in some for _ in range(3)], faces, sense)
 
     @exercise.check("an isolated vertex has no neighbours")
     def _(f: Asked, rng: Rng) -> None:

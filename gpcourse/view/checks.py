@@ -20,6 +20,11 @@ def as_vector(value: object, name: str, *, allow_zero: bool = False) -> tuple[fl
     return (x, y, z)
 
 
+def as_positions(value: object, name: str) -> FloatArray:
+    """Return finite (n, 3) points; an empty list, as JSON has it, is no point."""
+    return np.zeros((0, 3)) if isinstance(value, (list, tuple)) and not len(value) else as_points(value, name)
+
+
 def set_fields(layer: object, **values: object) -> None:
     for name, value in values.items():
         object.__setattr__(layer, name, value)

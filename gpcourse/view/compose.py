@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Sized
 from typing import Any
 
 import numpy as np
@@ -61,9 +61,8 @@ def mesh_scene(
             f"labels is {labels!r}; it must be None, 'vertices', 'faces', or 'halfedges' for a HalfedgeMesh"
         )
     if values is not None and values_on is None:
-        values_on = (
-            "faces" if np.shape(np.asarray(values))[:1] == (len(sizes),) != (len(vertices),) else "vertices"
-        )
+        counts = (len(vertices), len(sizes))
+        values_on = "faces" if _length(values) == counts[1] != counts[0] else "vertices"
     surface = Mesh(
         vertices,
         faces,
@@ -216,6 +215,10 @@ def _alt(alt: str | None, title: str, words: str) -> str:
     if alt is not None:
         return str(alt)
     return f"{title.rstrip('.:')}: {words}" if title else words
+
+
+def _length(values: object) -> int:
+    return len(values) if isinstance(values, Sized) else 0
 
 
 def _is_one_curve(lines: Any) -> bool:

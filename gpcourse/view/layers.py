@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from gpcourse.errors import ArrayError
-from gpcourse.geometry.arrays import FloatArray, IntArray, as_points, flatten_polygons
+from gpcourse.geometry.arrays import FloatArray, IntArray, flatten_polygons
 from gpcourse.view.checks import (
     as_colours,
+    as_positions,
     as_positive,
     as_texts,
     check_hidden,
@@ -57,7 +58,7 @@ class Mesh:
     smooth: bool = False
 
     def __post_init__(self) -> None:
-        vertices = as_points(self.vertices, "vertices")
+        vertices = as_positions(self.vertices, "vertices")
         _, sizes = flatten_polygons(self.faces, len(vertices))
         if self.values_on not in ("vertices", "faces"):
             raise ArrayError(f"values_on is {self.values_on!r}; it must be 'vertices' or 'faces'")
@@ -100,12 +101,12 @@ class Arrows:
     hidden: str = "hide"
 
     def __post_init__(self) -> None:
-        tails, heads = as_points(self.tails, "tails"), as_points(self.heads, "heads")
+        tails, heads = as_positions(self.tails, "tails"), as_positions(self.heads, "heads")
         check_same_length(heads, "heads", len(tails), "tails")
         set_fields(self, tails=tails, heads=heads, colours=as_colours(self.colours, len(tails), "colours"))
         set_fields(self, labels=as_texts(self.labels, len(tails)), width=as_positive(self.width, "width"))
         if self.label_sides is not None:
-            sides = as_points(self.label_sides, "label_sides")
+            sides = as_positions(self.label_sides, "label_sides")
             check_same_length(sides, "label_sides", len(tails), "tails")
             set_fields(self, label_sides=sides)
         check_hidden(self.hidden)
@@ -123,7 +124,7 @@ class Curves:
     hidden: str = "fade"
 
     def __post_init__(self) -> None:
-        lines = tuple(as_points(line, f"lines[{i}]") for i, line in enumerate(self.lines))
+        lines = tuple(as_positions(line, f"lines[{i}]") for i, line in enumerate(self.lines))
         for i, line in enumerate(lines):
             if len(line) < 2:
                 raise ArrayError(f"lines[{i}] has {len(line)} points; a curve needs at least 2")
@@ -147,7 +148,7 @@ class Points:
     hidden: str = "hide"
 
     def __post_init__(self) -> None:
-        positions = as_points(self.positions, "positions")
+        positions = as_positions(self.positions, "positions")
         set_fields(self, positions=positions, colours=as_colours(self.colours, len(positions), "colours"))
         set_fields(self, size=as_positive(self.size, "size"))
         set_values(self, len(positions))
@@ -179,7 +180,7 @@ class Labels:
     hidden: str = "fade"
 
     def __post_init__(self) -> None:
-        positions = as_points(self.positions, "positions")
+        positions = as_positions(self.positions, "positions")
         if self.place not in ("on", "beside", "badge"):
             raise ArrayError(f"place is {self.place!r}; it must be 'on', 'beside' or 'badge'")
         texts = as_texts(self.texts, len(positions))

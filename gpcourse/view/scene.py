@@ -77,6 +77,8 @@ class Panel:
 
     def __post_init__(self) -> None:
         set_fields(self, layers=tuple(self.layers), title=str(self.title))
+        if not isinstance(self.camera, Camera):
+            raise ArrayError(f"camera is a {type(self.camera).__name__}; give a Camera")
         for i, layer in enumerate(self.layers):
             if not isinstance(layer, (Mesh, Arrows, Curves, Points, Labels)):
                 raise ArrayError(
@@ -100,6 +102,9 @@ class Scene:
         set_fields(self, panels=tuple(self.panels), alt=str(self.alt))
         if not self.panels:
             raise ArrayError("a scene needs at least one panel")
+        for i, panel in enumerate(self.panels):
+            if not isinstance(panel, Panel):
+                raise ArrayError(f"panels[{i}] is a {type(panel).__name__}; give a Panel")
 
     def scales(self) -> list[ColourScale | None]:
         """Return the colour scale of each panel; None where nothing has values."""

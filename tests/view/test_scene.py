@@ -1,0 +1,183 @@
+"""A scene is plain data: it survives JSON, and refuses what cannot be drawn."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from gpcourse import view
+from gpcourse.errors import ArrayError, GeometryError
+from gpcourse.reference.halfedge import halfedge_mesh
+from gpcourse.view import scene
+
+TETRAHEDRON = (
+    np.array([[1.0, 1, 1], [-1, -1, 1], [-1, 1, -1], [1, -1, -1]]),
+    [[0, 1, 3], [0, 2, 1], [0, 3, 2], [1, 2, 3]],
+)
+
+
+def every_layer():
+    vertices, faces = TETRAHEDRON
+    panels = (
+        scene.Panel(
+            (
+                scene.Mesh(vertices, faces, values=[0.5, np.nan, -1.0, np.inf], value_name="K"),
+                scene.Mesh(vertices, faces, face_colours=("red",) * 4, limits=(0, 1)),
+                scene.Arrows(vertices[:2], vertices[2:], ("blue", "#123456"), ("a", "b"), vertices[:2]),
+                scene.Curves((vertices, vertices[:2]), closed=True),
+                scene.Points(vertices, values=np.arange(4), colour_map="cividis"),
+                scene.Labels(vertices, ("0", "1", "$", "½"), place="badge", size=7),
+            ),
+            "all kinds",
+            scene.Camera((1, 2, 3), (0, 1, 0), (0, 0, 0), 2.5),
+        ),
+        scene.Panel((scene.Mesh(vertices, np.array(faces)),)),
+    )
+    return scene.Scene(panels, alt="everything", shared_scale=True)
+
+
+def test_every_layer_survives_json():
+    before = every_layer()
+    text = json.dumps(before.to_json(), allow_nan=False)
+    after = scene.Scene.from_json(json.loads(text))
+    assert after.to_json() == before.to_json()
+    assert view.Picture(after).png() == view.Picture(before).png()
+    mesh = after.panels[0].layers[0]
+    np.testing.assert_array_equal(mesh.vertices, TETRAHEDRON[0])
+    assert not np.isfinite(mesh.values[[1, 3]]).any()
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        None,
+        [],
+        {},
+        {"kind": "cube"},
+        {"kind": ["scene"]},
+        {"kind": "scene", "panels": []},
+        {"kind": "scene", "panels": 3},
+        {"kind": "scene", "panels": [{"kind": "mesh"}]},
+        {"kind": "scene", "panels": [{"kind": "panel", "layers": [], "camera": 3}]},
+        {"kind": "panel", "layers": []},
+        {"kind": "scene", "panels": [{"kind": "camera"}]},
+        {"kind": "scene", "colour": "red", "panels": [{"kind": "panel", "layers": []}]},
+    ],
+)
+def test_data_that_is_no_scene_is_refused(data):
+    with pytest.raises(ArrayError):
+        scene.Scene.from_json(data)
+
+
+def test_values_of_both_signs_get_a_scale_centred_on_zero():
+    (scale,) = view.mesh(TETRAHEDRON, [-1.0, 0.5, 0.2, 3.0]).scene.scales()
+    assert (scale.colour_map, scale.low, scale.high) == ("RdBu_r", -3.0, 3.0)
+
+
+def test_values_of_one_sign_fill_a_sequential_scale():
+    (scale,) = view.mesh(TETRAHEDRON, [1.0, 0.5, 0.2, 3.0]).scene.scales()
+    assert (scale.colour_map, scale.low, scale.high) == ("viridis", 0.2, 3.0)
+
+
+def test_rounding_is_not_stretched_over_the_whole_scale():
+    (scale,) = view.mesh(TETRAHEDRON, 1 + 1e-15 * np.arange(4)).scene.scales()
+    assert scale.high - scale.low > 0.5
+
+
+def test_a_shared_scale_covers_the_values_of_all_panels():
+    pictures = [
+        view.mesh(TETRAHEDRON, [1.0, 2, 3, 4]),
+        view.mesh(TETRAHEDRON),
+        view.mesh(TETRAHEDRON, [-8.0, 0, 1, 2]),
+    ]
+    first, none, last = view.side_by_side(*pictures).scene.scales()
+    assert first == last
+    assert (first.low, first.high) == (-8.0, 8.0)
+    assert none is None
+    apart = view.side_by_side(*pictures, shared_scale=False).scene.scales()
+    assert (apart[0].low, apart[0].high) == (1.0, 4.0)
+
+
+def test_values_go_to_faces_when_there_is_one_for_each():
+    pyramid = (
+        [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1]],
+        [[3, 2, 1, 0], [0, 1, 4], [1, 2, 4], [2, 3, 4]],
+    )
+    assert view.mesh(pyramid, range(4)).scene.panels[0].layers[0].values_on == "faces"
+    assert view.mesh(pyramid, range(5)).scene.panels[0].layers[0].values_on == "vertices"
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: view.mesh(3), "a int cannot be drawn"),
+        (lambda: view.mesh((TETRAHEDRON[0], [[0, 1, 9]])), "face 0 names vertex 9"),
+        (lambda: view.mesh(([[0, 0, np.nan]], [])), r"vertices\[0\]"),
+        (lambda: view.mesh(TETRAHEDRON, [1, 2, 3]), r"values has shape \(3,\)"),
+        (lambda: view.mesh(TETRAHEDRON, ["a"] * 4), "values cannot be read"),
+        (lambda: view.mesh(TETRAHEDRON, [[1], [2, 3]]), "values cannot be read"),
+        (lambda: view.mesh(TETRAHEDRON, labels="edges"), "labels is 'edges'"),
+        (lambda: view.mesh(TETRAHEDRON, labels="halfedges"), "labels is 'halfedges'"),
+        (lambda: view.mesh(TETRAHEDRON, direction=(0, 0, 0)), "direction is zero"),
+        (lambda: view.mesh(TETRAHEDRON, direction="up"), "direction cannot be read"),
+        (lambda: view.mesh(TETRAHEDRON, colour="mauve"), "colour is 'mauve'"),
+        (lambda: view.mesh(TETRAHEDRON, face_colours=["red"] * 3), "face_colours has 3 entries"),
+        (lambda: view.mesh(TETRAHEDRON, range(4), colour_map="jet"), "colour_map is 'jet'"),
+        (lambda: view.mesh(TETRAHEDRON, range(4), limits=(1, 1)), "limits is"),
+        (lambda: view.halfedges(TETRAHEDRON), "a tuple has no half-edges"),
+        (lambda: view.halfedges(tetrahedron(), highlight=[12]), "highlight is 12"),
+        (lambda: view.halfedges(tetrahedron(), highlight=["a"]), "highlight is 'a'"),
+        (lambda: view.halfedges(tetrahedron(), highlight=3), "highlight is 3"),
+        (lambda: view.halfedges(tetrahedron(), highlight={0: "mauve"}), r"highlight\[0\] is 'mauve'"),
+        (lambda: view.neighbours(TETRAHEDRON, 4, []), "vertex is 4"),
+        (lambda: view.neighbours(TETRAHEDRON, 0, [1, -1]), r"order\[1\] is -1"),
+        (lambda: view.points([[1, 2, 3, 4]]), "points has shape"),
+        (lambda: view.points([[1, 2, 3]], size=0), "size is 0"),
+        (lambda: view.curves([[[0, 0], [1, 1]], [[0, 0]]]), r"lines\[1\] has 1 points"),
+        (view.side_by_side, "at least one panel"),
+        (lambda: view.side_by_side(TETRAHEDRON), "picture 0 is a tuple"),
+        (lambda: view.Picture(TETRAHEDRON), "a tuple is not a scene"),
+    ],
+)
+def test_what_cannot_be_drawn_is_named(make, message):
+    with pytest.raises(GeometryError, match=message):
+        make()
+
+
+def tetrahedron():
+    return halfedge_mesh(TETRAHEDRON[0], TETRAHEDRON[1])
+
+
+def test_a_mesh_without_positions_is_refused_with_the_repair():
+    bare = tetrahedron()
+    object.__setattr__(bare, "vertices", None)
+    with pytest.raises(ArrayError, match="with_vertices"):
+        view.halfedges(bare)
+
+
+def test_the_words_state_facts():
+    assert repr(view.mesh(TETRAHEDRON)) == "A mesh of 4 vertices and 4 triangles."
+    assert "colour shows K, from -2 to 1; 1 values are not finite" in repr(
+        view.mesh(TETRAHEDRON, [-2, 0, 1, np.nan], value_name="K")
+    )
+    assert "left out: 3" in repr(view.neighbours(TETRAHEDRON, 0, [2, 1]))
+    assert repr(view.mesh(TETRAHEDRON, title="Before", alt="mine")) == "mine"
+
+
+def test_html_is_an_image_with_its_words_escaped_and_nothing_that_a_sanitizer_strips():
+    html = view.mesh(TETRAHEDRON, alt='<b> & "quotes"')._repr_html_()
+    assert html.startswith('<img alt="&lt;b&gt; &amp; &quot;quotes&quot;" src="data:image/png;base64,')
+    assert "class=" not in html
+    assert "<script" not in html
+    assert not hasattr(view.Picture, "_repr_png_")
+
+
+def test_making_a_scene_does_not_load_matplotlib():
+    code = (
+        "import sys; from gpcourse import view; view.mesh(([[0,0,0],[1,0,0],[0,1,0]], [[0,1,2]]), [1,2,3]);"
+        "print([m for m in sys.modules if m.split('.')[0] in ('matplotlib', 'IPython', 'PIL')])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

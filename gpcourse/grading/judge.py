@@ -1,0 +1,141 @@
+"""From a submission to its verdicts."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, replace
+
+from gpcourse.errors import WorkerError
+from gpcourse.exercises.exercise import Exercise
+from gpcourse.exercises.judging import Verdict, judge
+from gpcourse.grading.submission import Notebook, Submission
+from gpcourse.sandbox.call import Trouble
+from gpcourse.sandbox.proxy import Survey, Worker
+
+#: ``open_worker(notebook)`` returns the worker that holds a notebook's functions.
+OpenWorker = Callable[[Notebook], Worker]
+
+
+@dataclass(frozen=True)
+class Judged:
+    """An exercise's verdict in a submission, and what is to be said besides.
+
+    `missing` says that no function of that name was found.
+    """
+
+    verdict: Verdict
+    notes: tuple[str, ...] = ()
+    missing: bool = False
+
+
+@dataclass(frozen=True)
+class Report:
+    """A submission with its verdicts, in the order of the exercises.
+
+    `status` is ``graded``; ``not attempted`` when no exercise was; ``unreadable`` when no file
+    could be read; ``grader fault`` when a person has to look, because a check of ours broke.
+    """
+
+    student: str
+    status: str
+    judged: tuple[Judged, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def points(self) -> int:
+        """The points reached."""
+        return sum(judged.verdict.points for judged in self.judged)
+
+    @property
+    def out_of(self) -> int:
+        """The points that can be reached."""
+        return sum(judged.verdict.exercise.points for judged in self.judged)
+
+
+def judge_submission(
+    submission: Submission, exercises: Sequence[Exercise], seed: int, open_worker: OpenWorker
+) -> Report:
+    """Judge every exercise on what was handed in. One that breaks costs no other its points."""
+    notes = list(submission.notes)
+    rooms: dict[int, _Room] = {}
+    names = frozenset(exercise.name for exercise in exercises)
+    judged: list[Judged] = []
+    with ExitStack() as stack:
+        for exercise in exercises:
+            holding = submission.holding(exercise.name) or submission.notebooks
+            notebook = holding[-1]
+            room = rooms.get(id(notebook))
+            if room is None:
+                room = _Room(notebook, stack.enter_context(open_worker(notebook)), names)
+                rooms[id(notebook)] = room
+            result = room.judge(exercise, seed)
+            if len(holding) > 1 and exercise.name in notebook.defines:
+                several = f"found in {len(holding)} notebooks; {notebook.name} counts"
+                result = replace(result, notes=(*result.notes, several))
+            judged.append(result)
+    for room in rooms.values():
+        notes.extend(room.notes())
+    return Report(submission.student, _status(submission, judged), tuple(judged), tuple(notes))
+
+
+def _status(submission: Submission, judged: Sequence[Judged]) -> str:
+    outcomes = {one.verdict.outcome for one in judged}
+    if any(r.outcome == "grader fault" for one in judged for r in one.verdict.results):
+        return "grader fault"
+    if not submission.readable:
+        return "unreadable"
+    return "not attempted" if outcomes <= {"not attempted"} else "graded"
+
+
+class _Room:
+    """A notebook and its worker while the exercises are judged one after the other."""
+
+    def __init__(self, notebook: Notebook, worker: Worker, names: frozenset[str]) -> None:
+        self.notebook = notebook
+        self.asked = names
+        self.worker = worker
+        self.failures: dict[str, None] = {}
+        self.survey = self._survey()
+
+    def _survey(self) -> Survey:
+        if not self.notebook.readable:
+            return Survey()
+        with suppress(WorkerError):
+            return self.worker.survey()
+        return Survey()
+
+    def judge(self, exercise: Exercise, seed: int) -> Judged:
+        name = exercise.name
+        if not self.notebook.readable or name in self.survey.stubs:
+            return Judged(Verdict(exercise, "not attempted"))
+        with suppress(WorkerError):  # said again, as a fault of ours, when the first question is asked
+            ready = self.worker.prepare(name)
+            if ready.status == "missing":
+                return Judged(Verdict(exercise, "not attempted"), self._near(name), missing=True)
+            self.failures.update(dict.fromkeys(f"{_where(t)}: {_what(t)}" for t in ready.notes))
+        verdict = judge(exercise, lambda arguments, limit: self.worker.ask(name, arguments, limit), seed)
+        answers = (question.answer for result in verdict.results for question in result.questions)
+        crash = next((a.trouble for a in answers if a.status == "crashed" and a.trouble), None)
+        return Judged(verdict, () if crash is None else (crash.message,))
+
+    def _near(self, name: str) -> tuple[str, ...]:
+        others = set(self.survey.names) - self.asked
+        near = difflib.get_close_matches(name, sorted(others), n=1, cutoff=0.8)
+        return (f"is {near[0]} meant to be {name}? Only {name} counts",) if near else ()
+
+    def notes(self) -> list[str]:
+        """What is to be said of the notebook as a whole."""
+        crash = self.survey.crash
+        broken = [f"{t.place}, line {t.line}: {_what(t)}" for t in self.survey.broken]
+        return [*([] if crash is None else [_what(crash)]), *broken, *self.failures]
+
+
+def _where(trouble: Trouble) -> str:
+    return f"{trouble.place}, line {trouble.line}" if trouble.line else trouble.place or "a cell"
+
+
+def _what(trouble: Trouble) -> str:
+    message = " ".join(trouble.message.split())[:200]
+    return f"{trouble.types[0]}: {message}" if message else trouble.types[0]

@@ -1,0 +1,201 @@
+"""The pages: one of the class for the instructor, one for each student to hand out."""
+
+from __future__ import annotations
+
+import statistics
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gpcourse.exercises.course import Chapter
+from gpcourse.exercises.exercise import Exercise
+from gpcourse.exercises.judging import Outcome
+from gpcourse.grading import gradebook
+from gpcourse.grading import panels as feedback
+from gpcourse.grading.judge import Judged, Report
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+#: How the outcomes are drawn: a sign, and the name of a colour. The worst comes last.
+SIGNS: dict[Outcome, tuple[str, str]] = {
+    "passed": ("✓", "passed"),
+    "failed": ("✗", "failed"),
+    "error": ("!", "error"),
+    "timeout": ("∞", "timeout"),
+    "crashed": ("✹", "crashed"),
+    "out of memory": ("▤", "crashed"),
+    "not attempted": ("–", "absent"),
+    "grader fault": ("?", "fault"),
+}
+
+_BINS = 10
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One exercise of one student, as the class page shows it."""
+
+    points: int
+    out_of: int
+    sign: str
+    colour: str
+    title: str
+
+
+@cache
+def _environment() -> Environment:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    folder = FileSystemLoader(Path(__file__).parent / "templates")
+    return Environment(
+        loader=folder, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+
+
+def _render(template: str, **content: Any) -> str:
+    return _environment().get_template(template).render(**content) + "\n"
+
+
+def title_of(chapters: Sequence[Chapter]) -> str:
+    """Name what was graded."""
+    return ", ".join(chapter.title for chapter in chapters)
+
+
+def student_page(report: Report, chapters: Sequence[Chapter], seed: int) -> str:
+    """Write the page of one student, with the feedback on every exercise."""
+    from markupsafe import Markup
+
+    panels = [
+        {
+            "cell": _cell(judged),
+            "name": judged.verdict.exercise.name,
+            "summary": judged.verdict.exercise.summary,
+            "outcome": judged.verdict.outcome,
+            # as_html escapes what comes from a student
+            "html": Markup(feedback.as_html(judged.verdict)) if judged.verdict.results else "",
+            "notes": judged.notes,
+            "missing": judged.missing,
+        }
+        for judged in report.judged
+    ]
+    return _render(
+        "student.html",
+        report=report,
+        share=_share(report.points, report.out_of),
+        title=title_of(chapters),
+        panels=panels,
+        passed=sum(judged.verdict.outcome == "passed" for judged in report.judged),
+        seed=seed,
+    )
+
+
+def class_page(
+    reports: Sequence[Report],
+    chapters: Sequence[Chapter],
+    exercises: Sequence[Exercise],
+    seed: int,
+    names: Mapping[str, str],
+) -> str:
+    """Write the page of the class. `names` are the file names of the students' pages."""
+    rows = [
+        {
+            "report": report,
+            "link": f"students/{names[report.student]}.html",
+            "cells": [_cell(judged) for judged in report.judged],
+            "share": _share(report.points, report.out_of),
+            "note": gradebook.note(report),
+        }
+        for report in reports
+    ]
+    totals = [report.points for report in reports]
+    return _render(
+        "class.html",
+        title=title_of(chapters),
+        rows=rows,
+        exercises=[_summary(reports, i, exercise) for i, exercise in enumerate(exercises)],
+        mistakes=_mistakes(reports, names),
+        bins=_histogram(reports),
+        out_of=sum(exercise.points for exercise in exercises),
+        mean=_number(statistics.fmean(totals)),
+        median=_number(statistics.median(totals)),
+        full=sum(report.points == report.out_of for report in reports),
+        seed=seed,
+        legend=[(sign, colour, outcome) for outcome, (sign, colour) in SIGNS.items()],
+    )
+
+
+def _cell(judged: Judged) -> Cell:
+    verdict = judged.verdict
+    sign, colour = SIGNS[verdict.outcome]
+    if colour == "failed" and verdict.points:
+        colour = "part"
+    words = [
+        f"{verdict.exercise.name}: {verdict.outcome}",
+        *(m.name for m in verdict.mistakes),
+        *judged.notes,
+    ]
+    return Cell(verdict.points, verdict.exercise.points, sign, colour, " · ".join(words))
+
+
+def _share(points: float, out_of: int) -> float:
+    """Return the percentage, with a decimal."""
+    return round(100 * points / out_of, 1) if out_of else 0.0
+
+
+def _number(value: float) -> str:
+    return f"{value:.1f}".removesuffix(".0")
+
+
+def _summary(reports: Sequence[Report], i: int, exercise: Exercise) -> dict[str, Any]:
+    """How the class did in one exercise: mean points, and how often each outcome came."""
+    verdicts = [report.judged[i].verdict for report in reports]
+    counts = Counter(verdict.outcome for verdict in verdicts)
+    mean = statistics.fmean(verdict.points for verdict in verdicts)
+    return {
+        "name": exercise.name,
+        "points": exercise.points,
+        "mean": _number(mean),
+        "share": _share(mean, exercise.points),
+        "parts": [
+            {
+                "outcome": outcome,
+                "colour": colour,
+                "count": counts[outcome],
+                "share": _share(counts[outcome], len(reports)),
+            }
+            for outcome, (_, colour) in SIGNS.items()
+            if counts[outcome]
+        ],
+    }
+
+
+def _mistakes(reports: Sequence[Report], names: Mapping[str, str]) -> list[dict[str, Any]]:
+    """The named mistakes, the commonest first, with the students who made them."""
+    made: dict[tuple[str, str], list[str]] = {}
+    for report in reports:
+        for judged in report.judged:
+            for mistake in judged.verdict.mistakes:
+                made.setdefault((judged.verdict.exercise.name, mistake.name), []).append(report.student)
+    ranked = sorted(made.items(), key=lambda item: (-len(item[1]), item[0]))
+    return [
+        {
+            "exercise": exercise,
+            "name": name,
+            "students": [{"name": s, "link": f"students/{names[s]}.html"} for s in students],
+        }
+        for (exercise, name), students in ranked
+    ]
+
+
+def _histogram(reports: Sequence[Report]) -> list[dict[str, Any]]:
+    """How many students reached how many tenths of the points; the last tenth has full marks in it."""
+    tenths = Counter(min(_BINS * r.points // max(r.out_of, 1), _BINS - 1) for r in reports)
+    most = max(tenths.values())
+    return [
+        {"label": f"{10 * i}", "count": tenths[i], "height": round(100 * tenths[i] / most, 1)}
+        for i in range(_BINS)
+    ]

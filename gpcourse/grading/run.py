@@ -1,0 +1,185 @@
+"""Grading a folder of submissions."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from gpcourse.errors import UsageError, WorkerError
+from gpcourse.exercises.course import CHAPTERS, Chapter
+from gpcourse.exercises.exercise import Exercise
+from gpcourse.grading import gradebook, reports
+from gpcourse.grading.judge import Report, judge_submission
+from gpcourse.grading.submission import Notebook, Submission, read_folder
+from gpcourse.sandbox import confine, home
+from gpcourse.sandbox.line import Line
+from gpcourse.sandbox.proxy import Worker
+
+#: ``progress(done, total, student)`` is called after each submission, in no fixed order.
+Progress = Callable[[int, int, str], object]
+
+
+@dataclass(frozen=True)
+class GradeBook:
+    """What came of grading a folder.
+
+    Attributes
+    ----------
+    reports : tuple of Report
+        One a student, sorted by name; the questions and answers are left out.
+    chapters, exercises
+        What was graded, in the order of the columns.
+    seed : int
+    out, table, page : Path
+        The folder that was written, its grades.csv and its index.html.
+    """
+
+    reports: tuple[Report, ...]
+    chapters: tuple[Chapter, ...]
+    exercises: tuple[Exercise, ...]
+    seed: int
+    out: Path
+
+    @property
+    def table(self) -> Path:
+        """The table of grades."""
+        return self.out / "grades.csv"
+
+    @property
+    def page(self) -> Path:
+        """The page of the class."""
+        return self.out / "index.html"
+
+
+def grade(
+    folder: str | Path,
+    out: str | Path,
+    *,
+    seed: int = 0,
+    chapters: Sequence[str] | None = None,
+    jobs: int | None = None,
+    limits: confine.Limits | None = None,
+    progress: Progress | None = None,
+) -> GradeBook:
+    """Grade the submissions in `folder` and write the grade book into `out`.
+
+    Writes ``grades.csv``, ``index.html``, ``students/NAME.html`` and ``gradescope/NAME/results.json``.
+    The same submissions and seed give the same files, to the byte. Nothing is written when the input
+    cannot be used.
+
+    Parameters
+    ----------
+    folder, out : path
+        A notebook a student, or a folder a student; and where the grade book goes, outside `folder`.
+    seed : int
+        Decides the inputs that the checks draw; 0 or more.
+    chapters : sequence of str, optional
+        Numbers or stems ("1", "halfedge"); by default those of which a submission has a function.
+    jobs : int, optional
+        Submissions at a time; by default the number of cores.
+    limits : Limits, optional
+        What a notebook may use.
+    progress : callable, optional
+        Called as ``progress(done, total, student)`` after each submission.
+
+    Raises
+    ------
+    UsageError
+        If there are no submissions, or another argument cannot be used.
+    """
+    folder, out = Path(folder), Path(out)
+    if seed < 0:
+        raise UsageError(f"the seed is {seed}; give a whole number that is not negative")
+    submissions = read_folder(folder)
+    _check_out(folder, out)
+    chosen = _named(chapters) if chapters else _found(submissions)
+    exercises = tuple(exercise for chapter in chosen for exercise in chapter.exercises)
+    names = gradebook.file_names(s.student for s in submissions)
+    done: dict[str, Report] = {}
+    for report in _judge_all(submissions, exercises, seed, jobs, limits or confine.Limits()):
+        stem = names[report.student]
+        gradebook.write(out / "students" / f"{stem}.html", reports.student_page(report, chosen, seed))
+        gradebook.write(out / "gradescope" / stem / "results.json", gradebook.gradescope(report))
+        done[report.student] = _slim(report)
+        if progress is not None:
+            progress(len(done), len(submissions), report.student)
+    book = GradeBook(tuple(done[s.student] for s in submissions), chosen, exercises, seed, out)
+    gradebook.write(book.table, gradebook.grades_csv(book.reports, exercises))
+    gradebook.write(book.page, reports.class_page(book.reports, chosen, exercises, seed, names))
+    return book
+
+
+def _check_out(folder: Path, out: Path) -> None:
+    if out.exists() and not out.is_dir():
+        raise UsageError(f"{out} is a file; give a folder for the grade book")
+    if out.resolve().is_relative_to(folder.resolve()):
+        raise UsageError(f"{out} lies in the folder of submissions; put the grade book beside it")
+    if not os.access(next(p for p in (out, *out.resolve().parents) if p.exists()), os.W_OK):
+        raise UsageError(f"{out} cannot be written to; choose another folder")
+
+
+def _named(chapters: Sequence[str]) -> tuple[Chapter, ...]:
+    table = {str(chapter.number): chapter for chapter in CHAPTERS} | {c.stem: c for c in CHAPTERS}
+    for name in chapters:
+        if name not in table:
+            raise UsageError(
+                f"there is no chapter {name!r}; the chapters are {', '.join(c.stem for c in CHAPTERS)}"
+            )
+    wanted = {table[name].number for name in chapters}
+    return tuple(chapter for chapter in CHAPTERS if chapter.number in wanted)
+
+
+def _found(submissions: Sequence[Submission]) -> tuple[Chapter, ...]:
+    """Return the chapters that somebody handed in, or all when nothing can be told."""
+    names = {name for s in submissions for notebook in s.notebooks for name in notebook.defines}
+    found = tuple(c for c in CHAPTERS if any(exercise.name in names for exercise in c.exercises))
+    return found or CHAPTERS
+
+
+def _judge_all(
+    submissions: Sequence[Submission],
+    exercises: Sequence[Exercise],
+    seed: int,
+    jobs: int | None,
+    limits: confine.Limits,
+) -> Iterator[Report]:
+    """Yield the reports as they are done. The work is in the workers, so threads are enough here."""
+    fonts = any("matplotlib" in text for s in submissions for n in s.notebooks for _, text in n.cells)
+    stopped = threading.Event()
+
+    def start(package: Path, limits: confine.Limits) -> Line:
+        if stopped.is_set():
+            raise WorkerError("grading was interrupted")
+        return confine.launch(package, limits)
+
+    with tempfile.TemporaryDirectory(prefix="gpcourse-", ignore_cleanup_errors=True) as root:
+        package = home.build(Path(root) / "home", fonts=fonts)
+
+        def open_worker(notebook: Notebook) -> Worker:
+            return Worker(list(notebook.cells), package, limits, start)
+
+        with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
+            futures: list[Future[Report]] = [
+                pool.submit(judge_submission, s, exercises, seed, open_worker) for s in submissions
+            ]
+            try:
+                for future in as_completed(futures):
+                    yield future.result()
+            except BaseException:
+                stopped.set()
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
+
+
+def _slim(report: Report) -> Report:
+    """Drop the questions and answers, so that memory stays flat over a large class."""
+    judged = []
+    for one in report.judged:
+        results = tuple(replace(result, questions=()) for result in one.verdict.results)
+        judged.append(replace(one, verdict=replace(one.verdict, results=results)))
+    return replace(report, judged=tuple(judged))

@@ -1,0 +1,204 @@
+"""Reading what students hand in.
+
+Files are read leniently: whatever is in one, a `Submission` comes out that says what could be read. JSON is
+read directly and not through nbformat, which refuses notebooks that a tool has damaged a little.
+"""
+
+from __future__ import annotations
+
+import codecs
+import json
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from gpcourse.errors import UsageError
+
+#: Larger files are not read. Stored pictures make notebooks of tens of megabytes.
+MAX_BYTES = 100 * 2**20
+SUFFIXES = (".ipynb", ".py")
+
+_BOMS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
+_DEFINITION = re.compile(r"^(?:async\s+)?def\s+(\w{1,100})\s*\(|^(\w{1,100})\s*=[^=]", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Notebook:
+    """The code cells of one file, each with its number (from 1), and what is to be said of them.
+
+    `readable` is False when nothing could be read; the notes say why.
+    """
+
+    name: str
+    cells: tuple[tuple[int, str], ...] = ()
+    notes: tuple[str, ...] = ()
+    readable: bool = True
+
+    @property
+    def defines(self) -> frozenset[str]:
+        """The names that its text seems to define at the top level."""
+        found = (pair for _, source in self.cells for pair in _DEFINITION.findall(source))
+        return frozenset(a or b for a, b in found)
+
+
+@dataclass(frozen=True)
+class Submission:
+    """All that one student handed in."""
+
+    student: str
+    notebooks: tuple[Notebook, ...]
+
+    @property
+    def readable(self) -> bool:
+        """Whether at least one file could be read."""
+        return any(notebook.readable for notebook in self.notebooks)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is to be said of the files; with their names where there are several."""
+        many = len(self.notebooks) > 1
+        return tuple(f"{n.name}: {note}" if many else note for n in self.notebooks for note in n.notes)
+
+    def holding(self, name: str) -> tuple[Notebook, ...]:
+        """Return the notebooks that seem to define `name`."""
+        return tuple(n for n in self.notebooks if name in n.defines)
+
+
+def read_folder(folder: Path) -> list[Submission]:
+    """Read the submissions in a folder: a notebook a student, or a folder a student, sorted by name.
+
+    Raises
+    ------
+    UsageError
+        If the folder is not there or holds no notebook.
+    """
+    if not folder.is_dir():
+        seen = "is a file" if folder.exists() else "does not exist"
+        raise UsageError(f"{folder} {seen}; give the folder that holds the submissions")
+    files: dict[str, list[Path]] = {}
+    for entry in sorted(folder.iterdir()):
+        if _hidden(entry):
+            continue
+        if entry.is_dir() and not entry.is_symlink():
+            found = sorted(_notebooks_in(entry))
+            if found or _is_empty(entry):
+                files.setdefault(entry.name, []).extend(found)
+        elif entry.suffix.lower() in SUFFIXES:
+            files.setdefault(entry.stem, []).append(entry)
+    if not files:
+        raise UsageError(
+            f"{folder} holds no submissions; put a notebook a student into it, or a folder a student"
+        )
+    return [Submission(student, _read_all(paths)) for student, paths in sorted(files.items())]
+
+
+def _hidden(path: Path) -> bool:
+    return path.name.startswith((".", "__"))
+
+
+def _is_empty(folder: Path) -> bool:
+    """Tell whether a folder holds no files, so that it is a student who handed in nothing."""
+    return not any(path.is_file() for path in folder.rglob("*"))
+
+
+def _notebooks_in(folder: Path) -> Iterator[Path]:
+    for path in folder.iterdir():
+        if _hidden(path) or path.is_symlink():
+            continue
+        if path.is_dir():
+            yield from _notebooks_in(path)
+        elif path.suffix.lower() in SUFFIXES:
+            yield path
+
+
+def _read_all(paths: Iterable[Path]) -> tuple[Notebook, ...]:
+    notebooks = tuple(read_notebook(path) for path in paths)
+    return notebooks or (Notebook("", notes=("the folder holds no notebook",), readable=False),)
+
+
+class _Unreadable(Exception):
+    """Why a file cannot be read."""
+
+
+def read_notebook(path: Path) -> Notebook:
+    """Read one file. It never raises: what cannot be read is said in the notes."""
+    try:
+        text, notes = _decode(_bytes_of(path))
+        if path.suffix.lower() == ".py":
+            return Notebook(path.name, tuple(_split(text)), notes)
+        cells = _cells_of(_parsed(text))
+    except _Unreadable as error:
+        return Notebook(path.name, notes=(f"the file cannot be read: {error}",), readable=False)
+    return Notebook(path.name, tuple(_code(cells)), (*notes, *_misplaced(cells)))
+
+
+def _bytes_of(path: Path) -> bytes:
+    try:
+        if path.is_symlink():
+            raise _Unreadable("it is a link to another place")
+        if path.stat().st_size > MAX_BYTES:
+            raise _Unreadable(f"it is larger than {MAX_BYTES // 2**20} MB")
+        raw = path.read_bytes()
+    except OSError as error:
+        raise _Unreadable(error.strerror or "it cannot be opened") from None
+    if not raw.strip():
+        raise _Unreadable("it is empty")
+    return raw
+
+
+def _parsed(text: str) -> object:
+    try:
+        content: object = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise _Unreadable(f"it is not a notebook ({str(error)[:80]})") from None
+    return content
+
+
+def _decode(raw: bytes) -> tuple[str, tuple[str, ...]]:
+    encoding = next((name for bom, name in _BOMS.items() if raw.startswith(bom)), "utf-8")
+    try:
+        return raw.decode(encoding).replace("\r\n", "\n"), ()
+    except UnicodeDecodeError:
+        return raw.decode("latin-1").replace("\r\n", "\n"), ("the file is not UTF-8; read as Latin-1",)
+
+
+def _split(text: str) -> Iterator[tuple[int, str]]:
+    """Split a script at the marks that editors put between cells."""
+    parts = re.split(r"^(?=# ?%%|# In\[)", text, flags=re.MULTILINE)
+    return ((i, part) for i, part in enumerate((p for p in parts if p.strip()), start=1))
+
+
+def _cells_of(content: object) -> list[dict[str, Any]]:
+    """Find the cells of a notebook of format 4, or of format 3, which keeps them in worksheets."""
+    if not isinstance(content, dict):
+        raise _Unreadable("it is JSON, but not a notebook")
+    groups = [content]
+    if not isinstance(content.get("cells"), list):
+        sheets = content.get("worksheets")
+        groups = [sheet for sheet in sheets if isinstance(sheet, dict)] if isinstance(sheets, list) else []
+    lists = [group["cells"] for group in groups if isinstance(group.get("cells"), list)]
+    if not lists:
+        raise _Unreadable("it is JSON, but not a notebook")
+    return [cell for cells in lists for cell in cells if isinstance(cell, dict)]
+
+
+def _source(cell: dict[str, Any]) -> str:
+    source = cell.get("source", cell.get("input", ""))
+    if isinstance(source, list):
+        source = "".join(line for line in source if isinstance(line, str))
+    return source.replace("\r\n", "\n") if isinstance(source, str) else ""
+
+
+def _code(cells: list[dict[str, Any]]) -> Iterator[tuple[int, str]]:
+    code = (cell for cell in cells if cell.get("cell_type") == "code")
+    return ((i, _source(cell)) for i, cell in enumerate(code, start=1))
+
+
+def _misplaced(cells: list[dict[str, Any]]) -> Iterator[str]:
+    """Say where a function stands in a cell that is not code."""
+    for cell in cells:
+        found = re.match(r"def\s+(\w{1,100})\s*\(", _source(cell))
+        if found and cell.get("cell_type") != "code":
+            yield f"{found[1]} stands in a cell that is not a code cell"

@@ -123,7 +123,9 @@ class HalfedgeMesh:
             "half-edge {}: its next does not start where its twin starts",
         )
         _require(self.face[self.next] == self.face, "half-edge {}: its next belongs to another face")
-        _require(self.face[self.face_halfedge] == np.arange(self.n_faces), "face {}: its half-edge is not its own")
+        _require(
+            self.face[self.face_halfedge] == np.arange(self.n_faces), "face {}: its half-edge is not its own"
+        )
         linked = self.vertex_halfedge != NONE
         at = np.flatnonzero(linked)
         _require(self.origin[self.vertex_halfedge[at]] == at, "vertex {}: its half-edge starts elsewhere", at)
@@ -179,15 +181,13 @@ def orbit_labels(permutation: IntArray) -> IntArray:
     (h,) int array
         Equal for two indices exactly when they lie on one cycle.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    h = len(permutation)
-    links = coo_array((np.ones(h, dtype=np.int8), (np.arange(h), permutation)), shape=(h, h))
-    count, component = connected_components(links, directed=False)
-    smallest = np.full(count, h, dtype=np.int64)
-    np.minimum.at(smallest, component, np.arange(h))
-    return smallest[component]
+    label, ahead = np.arange(len(permutation)), permutation
+    while True:
+        # After k rounds a label is the smallest index among the next 2ᵏ; ahead leads past them.
+        smaller = np.minimum(label, label[ahead])
+        if np.array_equal(smaller, label):
+            return label
+        label, ahead = smaller, ahead[ahead]
 
 
 def _index_array(value: object, name: str) -> IntArray:

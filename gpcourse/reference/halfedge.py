@@ -7,6 +7,7 @@ half-edges each; everything else is found by walking along ``twin``, ``next`` an
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NoReturn
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from gpcourse.errors import (
     OrientationError,
 )
 from gpcourse.geometry.arrays import FloatArray, IntArray, Polygons, as_points, flatten_polygons
-from gpcourse.geometry.halfedge_mesh import HOLE, NONE, HalfedgeMesh
+from gpcourse.geometry.halfedge_mesh import HOLE, NONE, HalfedgeMesh, orbit_labels
 from gpcourse.reference.off import read_off, write_off
 
 __all__ = [
@@ -99,11 +100,11 @@ def build_halfedges(faces: Polygons, n_vertices: int) -> HalfedgeMesh:
     vertex_halfedge = np.full(n_vertices, NONE)
     vertex_halfedge[origin] = np.arange(len(origin))
     mesh = HalfedgeMesh(
-        twin=np.concatenate([twin, border]),
-        next=np.concatenate([next_, next_hole]),
-        prev=np.concatenate([prev, prev_hole]),
+        twin=_joined(twin, border),
+        next=_joined(next_, next_hole),
+        prev=_joined(prev, prev_hole),
         origin=origin,
-        face=np.concatenate([face, np.full(len(border), HOLE)]),
+        face=_joined(face, np.full(len(border), HOLE)),
         vertex_halfedge=vertex_halfedge,
         face_halfedge=np.cumsum(sizes) - sizes,
     )
@@ -111,56 +112,73 @@ def build_halfedges(faces: Polygons, n_vertices: int) -> HalfedgeMesh:
     return mesh
 
 
+def _joined(inside: IntArray, along_holes: IntArray) -> IntArray:
+    """Append the records along holes; a closed mesh has none, and is spared the copy."""
+    return np.concatenate([inside, along_holes]) if len(along_holes) else inside
+
+
 def _around_faces(sizes: IntArray) -> tuple[IntArray, IntArray]:
     """Link the corners of each face into a cycle."""
-    corner = np.arange(int(sizes.sum()))
     last = np.cumsum(sizes) - 1
     first = last - sizes + 1
-    next_, prev = corner + 1, corner - 1
+    n_corners = int(sizes.sum())
+    next_, prev = np.arange(1, n_corners + 1), np.arange(-1, n_corners - 1)
     next_[last], prev[first] = first, last
     return next_, prev
 
 
 def _match_twins(tail: IntArray, head: IntArray, face: IntArray, n_vertices: int) -> IntArray:
     """Pair the half-edges that join the same two vertices; -1 where there is no partner."""
-    edge, halfedge = _sort_by_edge(np.minimum(tail, head), np.maximum(tail, head), n_vertices)
-    same = edge[1:] == edge[:-1]
-    crowded = np.flatnonzero(same[1:] & same[:-1])
-    if len(crowded):
-        a, b, c = np.sort(halfedge[crowded[0] : crowded[0] + 3])
-        raise NonManifoldEdgeError(
-            f"edge {tail[a]} – {head[a]} belongs to faces {face[a]}, {face[b]} and {face[c]}; "
-            "an edge has one or two faces: remove the others"
-        )
-    first = np.flatnonzero(same)
-    a, b = halfedge[first], halfedge[first + 1]
-    parallel = np.flatnonzero(tail[a] == tail[b])
-    if len(parallel):
-        i = parallel[0]
-        raise OrientationError(
-            f"edge {tail[a[i]]} -> {head[a[i]]} belongs to faces {face[a[i]]} and {face[b[i]]} "
-            "in the same direction; flip one or remove it"
-        )
+    direction, halfedge = _sort_by_edge(tail, head, n_vertices)
+    apart = direction[1:] ^ direction[:-1]
+    repeated = np.flatnonzero(apart == 0)
+    if len(repeated):
+        _refuse_repeated_edge(tail, head, face, int(halfedge[repeated[0]]))
+    # The two directions of an edge differ in the last bit only.
+    first = np.flatnonzero(apart == 1)
+    forward, backward = halfedge[first], halfedge[first + 1]
     twin = np.full(len(tail), NONE)
-    twin[a], twin[b] = b, a
+    twin[forward], twin[backward] = backward, forward
     return twin
 
 
-def _sort_by_edge(low: IntArray, high: IntArray, n_vertices: int) -> tuple[IntArray, IntArray]:
-    """Sort half-edges by their two vertices: a number for each edge, and the half-edges in that order.
+def _sort_by_edge(tail: IntArray, head: IntArray, n_vertices: int) -> tuple[IntArray, IntArray]:
+    """Sort half-edges so that those along one edge are neighbours.
 
-    The three numbers (low, high, half-edge) are packed into one integer wherever they fit, since
-    sorting plain integers is several times faster than sorting indirectly.
+    Returns a number for each direction of each edge, 2e and 2e + 1, and the half-edges in that order.
+    The four numbers (smaller vertex, larger vertex, direction, half-edge) are packed into one integer
+    wherever they fit, since sorting plain integers is several times faster than sorting indirectly.
     """
-    h = np.arange(len(low))
-    vertex_bits, h_bits = n_vertices.bit_length(), len(low).bit_length()
-    if 2 * vertex_bits + h_bits <= 63:
-        packed = ((low << vertex_bits | high) << h_bits) | h
+    vertex_bits, h_bits = n_vertices.bit_length(), len(tail).bit_length()
+    if 2 * vertex_bits + 1 + h_bits <= 63:
+        packed = np.minimum(tail, head)  # then in place: fresh arrays cost more than the arithmetic
+        packed <<= vertex_bits
+        packed |= np.maximum(tail, head)
+        packed <<= 1
+        packed |= tail > head
+        packed <<= h_bits
+        packed |= np.arange(len(tail))
         packed.sort()
         return packed >> h_bits, packed & ((1 << h_bits) - 1)
-    edge = low * n_vertices + high
-    order = np.argsort(edge, kind="stable")
-    return edge[order], order
+    edge = np.minimum(tail, head) * n_vertices + np.maximum(tail, head)
+    direction = 2 * edge + (tail > head)
+    order = np.argsort(direction)
+    return direction[order], order
+
+
+def _refuse_repeated_edge(tail: IntArray, head: IntArray, face: IntArray, h: int) -> NoReturn:
+    """Say which faces run along the edge of half-edge h, which another one follows in the same direction."""
+    along = ((tail == tail[h]) & (head == head[h])) | ((tail == head[h]) & (head == tail[h]))
+    faces = face[along].tolist()
+    if len(faces) > 2:
+        raise NonManifoldEdgeError(
+            f"edge {tail[h]} – {head[h]} belongs to faces {', '.join(map(str, faces[:-1]))} and {faces[-1]}; "
+            "an edge has one or two faces: remove the others"
+        )
+    raise OrientationError(
+        f"edge {tail[h]} -> {head[h]} belongs to faces {faces[0]} and {faces[1]} "
+        "in the same direction; flip one or remove it"
+    )
 
 
 def _refuse_touching_sheets(crowded: IntArray) -> None:
@@ -171,18 +189,20 @@ def _refuse_touching_sheets(crowded: IntArray) -> None:
 
 
 def _check_fans(mesh: HalfedgeMesh) -> None:
-    """Walk around all vertices at once; each walk must meet every half-edge that leaves its vertex."""
+    """Walk around all vertices at once; together the walks must meet every half-edge."""
     around = mesh.twin[mesh.prev]
-    remaining = np.bincount(mesh.origin, minlength=mesh.n_vertices)
-    vertex = np.flatnonzero(remaining)
-    start = mesh.vertex_halfedge[vertex]
-    h = start
-    while len(vertex):
-        remaining[vertex] -= 1
+    start = h = mesh.vertex_halfedge[mesh.vertex_halfedge != NONE]
+    met = 0
+    while len(h):
+        met += len(h)
         h = around[h]
         on = h != start
-        vertex, start, h = vertex[on], start[on], h[on]
-    _refuse_touching_sheets(np.flatnonzero(remaining))
+        if not on.all():
+            h, start = h[on], start[on]
+    if met < mesh.n_halfedges:
+        orbits = orbit_labels(around)
+        missed = orbits != orbits[mesh.vertex_halfedge[mesh.origin]]
+        _refuse_touching_sheets(np.unique(mesh.origin[missed]))
 
 
 def halfedge_mesh(vertices: FloatArray, faces: Polygons) -> HalfedgeMesh:
@@ -592,13 +612,14 @@ def genus(mesh: HalfedgeMesh) -> int:
 
 
 def _n_components(mesh: HalfedgeMesh) -> int:
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    ends = (mesh.origin, mesh.origin[mesh.twin])
-    edges = coo_array((np.ones(mesh.n_halfedges), ends), shape=(mesh.n_vertices, mesh.n_vertices))
-    count, _ = connected_components(edges, directed=False)
-    return int(count) - int(np.count_nonzero(mesh.vertex_halfedge == NONE))
+    """Let every half-edge take the smallest label among its neighbours until nothing changes."""
+    label = np.arange(mesh.n_halfedges)
+    while True:
+        smallest = np.minimum(label, np.minimum(label[mesh.next], label[mesh.twin]))
+        smallest = smallest[smallest]  # a label is a half-edge of the same component: ask that one too
+        if np.array_equal(smallest, label):
+            return len(np.unique(label))
+        label = smallest
 
 
 def element_statistics(mesh: HalfedgeMesh) -> dict[str, float]:

@@ -69,7 +69,7 @@ def _truth(faces: FaceLists, p: int, q: int) -> str:
     return ""
 
 
-def _check_all_edges(f: Asked, shape: shapes.Shape, rng: Rng, most: int = 40) -> None:
+def _check_all_edges(f: Asked, shape: shapes.Shape, rng: Rng, most: int = 24) -> None:
     mesh, faces = mesh_of(shape, rng), face_lists(shape)
     for h in rng.permutation(mesh.n_halfedges)[:most]:
         why = _truth(faces, *_ends(mesh, int(h)))
@@ -150,7 +150,7 @@ def _flippable_but(
     border: str = "both",
     triangles: bool = True,
     fresh: bool = True,
-    spare: int = 1,
+    count: bool = True,
 ) -> bool:
     """Answer as is_flippable does, with some of its tests left out or changed."""
     t = mesh.twin[h]

@@ -23,13 +23,13 @@ def face_lists(shape: shapes.Shape) -> FaceLists:
 
 
 def closed_triangles(rng: Rng) -> shapes.Shape:
-    """Draw a small closed triangle mesh with vertices of valence 3, numbered at random."""
-    return shapes.shuffled(shapes.random_closed(rng, 12), rng)
+    """Draw a small torus of triangles with vertices of valence 3, numbered at random."""
+    return shapes.random_closed(rng, 20, genus=1)
 
 
 def bounded_triangles(rng: Rng) -> shapes.Shape:
-    """Draw a small triangle mesh with holes, numbered at random."""
-    return shapes.shuffled(shapes.random_bounded(rng, 30), rng)
+    """Draw a small torus of triangles with two holes, numbered at random."""
+    return shapes.random_bounded(rng, 40, genus=1, loops=2)
 
 
 def closed_polygons(rng: Rng) -> shapes.Shape:

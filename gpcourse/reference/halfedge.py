@@ -422,16 +422,16 @@ def is_flippable(mesh: HalfedgeMesh, h: int) -> bool:
 
 
 def flip_edge(mesh: HalfedgeMesh, h: int) -> HalfedgeMesh:
-    """Turn the edge of half-edge `h` so that it joins the two opposite corners.
+    r"""Turn the edge of half-edge `h` so that it joins the two opposite corners.
 
     ::
 
              r                  r
-            / \\                /|\\
-           /   \\              / | \\
+            / \                /|\
+           /   \              / | \
           p --h-> q    →      p  |  q
-           \\   /              \\ | /
-            \\ /                \\|/
+           \   /              \ | /
+            \ /                \|/
              s                  s
 
     Parameters

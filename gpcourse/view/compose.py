@@ -45,7 +45,7 @@ def mesh_scene(
     direction : 3 floats, optional
         From the mesh towards the viewer.
     smooth, edges : bool
-        Shade with vertex normals; draw edges (by default on up to 1500 faces that are not smooth).
+        Shade with vertex normals; draw edges (by default on up to 3000 faces that are not smooth).
     alt : str, optional
         The description in words; made from the data if it is not given.
 
@@ -73,7 +73,7 @@ def mesh_scene(
         colour_map=colour_map,
         limits=limits,
         value_name=value_name,
-        edges=(not smooth and len(sizes) <= 1500) if edges is None else edges,
+        edges=(not smooth and len(sizes) <= 3000) if edges is None else edges,
         hidden_edges=labels is not None and len(sizes) <= FEW,
         smooth=smooth,
     )
@@ -132,7 +132,7 @@ def curves_scene(
     if on is not None:
         vertices, faces = as_subject(on)
         corners, sizes = flatten_polygons(faces, len(vertices))
-        layers.append(Mesh(vertices, faces, edges=len(sizes) <= 1500))
+        layers.append(Mesh(vertices, faces, edges=len(sizes) <= 3000))
         points, normals = vertices, area_vectors(vertices, corners, sizes)
         words += f" on {described(len(vertices), sizes).lower()}"
     layers.append(Curves(curves, tuple(colours), width=width, closed=closed))

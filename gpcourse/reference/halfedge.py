@@ -162,7 +162,7 @@ def _sort_by_edge(tail: IntArray, head: IntArray, n_vertices: int) -> tuple[IntA
         return packed >> h_bits, packed & ((1 << h_bits) - 1)
     edge = np.minimum(tail, head) * n_vertices + np.maximum(tail, head)
     direction = 2 * edge + (tail > head)
-    order = np.argsort(direction)
+    order = np.argsort(direction, kind="stable")
     return direction[order], order
 
 

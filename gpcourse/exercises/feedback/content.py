@@ -1,0 +1,183 @@
+"""What a panel says, as plain data: one source for its HTML and its text."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from gpcourse.exercises.feedback.advice import advice
+from gpcourse.exercises.feedback.words import clean, sentence, written_call
+from gpcourse.exercises.judging import CheckResult, Outcome, Verdict
+from gpcourse.sandbox.call import Trouble
+
+if TYPE_CHECKING:
+    from gpcourse.view.scene import Scene
+
+#: A mark and a word for each outcome of a check.
+MARKS: dict[Outcome, tuple[str, str]] = {
+    "passed": ("✓", "passed"),
+    "failed": ("✗", "failed"),
+    "error": ("✗", "error"),
+    "timeout": ("✗", "no end"),
+    "crashed": ("✗", "crashed"),
+    "out of memory": ("✗", "memory"),
+    "not attempted": ("–", "open"),
+    "grader fault": ("?", "our fault"),
+}
+
+_HAPPENED: dict[Outcome, str] = {
+    "timeout": "The function did not come to an end within {limit:g} s: a loop in it does not end, "
+    "or takes far too long.",
+    "crashed": "The function ended the Python process that it ran in.",
+    "out of memory": "The function asked for more memory than there is. How large are its arrays?",
+    "grader fault": "This check broke while it looked at your answer. This is our fault, no point is lost. "
+    "Please report it with the details below.",
+}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One check: mark, word, claim, points reached, points to reach."""
+
+    outcome: Outcome
+    mark: str
+    word: str
+    claim: str
+    points: int
+    of: int
+
+
+@dataclass(frozen=True)
+class Problem:
+    """The first check that did not pass, explained.
+
+    `facts` are pairs of a label and a value in code; `legend` describes the arguments of the call
+    that are too large to be written; `where` and `source` are the student's own line.
+    """
+
+    claim: str
+    message: str
+    facts: tuple[tuple[str, str], ...] = ()
+    legend: tuple[str, ...] = ()
+    where: str = ""
+    source: str = ""
+    advice: str = ""
+    mistake: str = ""
+    hint: str = ""
+    fault: str = ""
+    picture: Callable[[], Scene] | None = None
+
+
+@dataclass(frozen=True)
+class Content:
+    """All that a panel says."""
+
+    name: str
+    summary: str
+    outcome: Outcome
+    headline: str
+    points: int
+    of: int
+    rows: tuple[Row, ...] = ()
+    problem: Problem | None = None
+    notes: tuple[str, ...] = ()
+
+
+def content(verdict: Verdict) -> Content:
+    """Put a verdict into words."""
+    exercise = verdict.exercise
+    shown = () if verdict.outcome == "not attempted" else verdict.results
+    problem = verdict.first_problem if shown else None
+    return Content(
+        name=exercise.name,
+        summary=exercise.summary,
+        outcome=verdict.outcome,
+        headline=_headline(verdict),
+        points=verdict.points,
+        of=exercise.points,
+        rows=tuple(_row(result) for result in shown),
+        problem=None if problem is None else _problem(verdict, problem),
+        notes=tuple(_notes(verdict, problem)),
+    )
+
+
+def _headline(verdict: Verdict) -> str:
+    total, passed = len(verdict.results), sum(r.outcome == "passed" for r in verdict.results)
+    if verdict.outcome == "not attempted":
+        return "Not attempted yet: replace `raise NotImplementedError` by your own code, then check again."
+    if verdict.outcome == "passed":
+        return "Right: the check passes." if total == 1 else f"Right: all {total} checks pass."
+    if not total:
+        return sentence(
+            _HAPPENED.get(verdict.outcome, verdict.outcome).format(limit=verdict.exercise.time_limit)
+        )
+    if all(r.outcome in ("passed", "grader fault") for r in verdict.results):
+        return f"{passed} of {total} checks pass; the rest could not be decided, by our fault."
+    return f"Not yet: {passed} of {total} checks pass." if passed else "Not yet: no check passes so far."
+
+
+def _row(result: CheckResult) -> Row:
+    mark, word = MARKS[result.outcome]
+    return Row(result.outcome, mark, word, result.check.claim, result.points, result.check.points)
+
+
+def _problem(verdict: Verdict, result: CheckResult) -> Problem:
+    exercise, wrong, trouble = verdict.exercise, result.wrong, result.trouble
+    facts, legend = _facts(verdict, result)
+    message = _HAPPENED.get(result.outcome, "").format(limit=exercise.time_limit)
+    if wrong is not None:
+        message = sentence(clean(wrong.message))
+    elif result.outcome == "error" and trouble is not None:
+        text = clean(trouble.message, 300)
+        message = f"Your code stopped with {trouble.types[0]}" + (f": {text}" if text else ".")
+    known = result.mistake
+    return Problem(
+        claim=result.check.claim,
+        message=message,
+        facts=facts,
+        legend=legend,
+        where=_where(trouble),
+        source=clean(trouble.source, 160) if trouble else "",
+        advice=advice(exercise, trouble) if trouble and result.outcome == "error" and not known else "",
+        mistake=f"It looks as if {known.name}." if known else "",
+        hint=known.hint if known else "",
+        fault=clean(result.fault, 6000),
+        picture=wrong.picture if wrong else None,
+    )
+
+
+def _facts(verdict: Verdict, result: CheckResult) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
+    facts: list[tuple[str, str]] = []
+    legend: list[str] = []
+    if result.wrong is not None:
+        wrong = result.wrong
+        facts = [("yours", wrong.yours), ("true", wrong.truth), ("input", wrong.on)]
+        facts = [(label, clean(value, 400)) for label, value in facts if value]
+    if result.questions:
+        parameters = list(verdict.exercise.signature.parameters)
+        call, legend = written_call(verdict.exercise.name, parameters, result.questions[-1].arguments)
+        facts.append(("call", clean(call, 600)))
+    return tuple(facts), tuple(clean(line, 200) for line in legend)
+
+
+def _where(trouble: Trouble | None) -> str:
+    """Say where it happened, as "line 3 of cell 7"."""
+    if trouble is None or not trouble.line:
+        return ""
+    line = f"line {trouble.line}" + (f" of {clean(trouble.place, 80)}" if trouble.place else "")
+    return line + (f", in `{clean(trouble.function, 60)}`" if trouble.function.isidentifier() else "")
+
+
+def _notes(verdict: Verdict, problem: CheckResult | None) -> list[str]:
+    notes = []
+    if verdict.changed:
+        names = ", ".join(f"`{clean(name, 40)}`" for name in verdict.changed)
+        notes.append(
+            f"Your function changes its input in place: {names}. Whoever calls it loses the original. "
+            "Work on a copy."
+        )
+    shown = problem.mistake if problem else None
+    others = [m for m in verdict.mistakes if shown is None or m.name != shown.name]
+    notes.extend(f"In another check, it looks as if {m.name}. {m.hint}" for m in others[:2])
+    return notes

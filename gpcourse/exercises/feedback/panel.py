@@ -1,0 +1,77 @@
+"""The panel as HTML."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from typing import Any
+
+from gpcourse.exercises.feedback.content import Problem, content
+from gpcourse.exercises.judging import Outcome, Verdict
+
+#: Red, green and blue of what frames a panel. They tint, so that they sit well on white and on black.
+_TINTS: dict[Outcome, str] = {
+    "passed": "35, 150, 70",
+    "not attempted": "120, 130, 145",
+    "grader fault": "150, 90, 190",
+}
+_WRONG = "215, 110, 20"
+
+
+def as_html(verdict: Verdict, *, picture: bool = True, rerun: bool = False) -> str:
+    """Return the feedback on one exercise as HTML, a single element.
+
+    Parameters
+    ----------
+    picture : bool
+        Whether to draw the picture, where there is one. Drawing takes about a fifth of a second.
+    rerun : bool
+        Whether to say how the failing call can be run again; true in a notebook only.
+    """
+    said = content(verdict)
+    drawn = _drawn(said.problem) if picture and said.problem else ""
+    return template("panel.html").render(  # type: ignore[no-any-return]
+        said=said, picture=drawn, rerun=rerun, tint=tint(said.outcome), tint_of=tint
+    )
+
+
+def tint(outcome: Outcome) -> str:
+    """Return the red, green and blue that stand for an outcome, as ``"35, 150, 70"``."""
+    return _TINTS.get(outcome, _WRONG)
+
+
+def _drawn(problem: Problem) -> str:
+    if problem.picture is None:
+        return ""
+    from gpcourse.view.picture import Picture
+
+    try:
+        return Picture(problem.picture()).html()
+    except Exception:  # noqa: BLE001  # the scene is made from a student's values: no picture is better than no panel
+        return ""
+
+
+@cache
+def template(name: str) -> Any:
+    """Return a template of this package; what it inserts is escaped."""
+    import jinja2
+
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("gpcourse.exercises.feedback"),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
+    environment.filters["code"] = _with_code
+    return environment.get_template(name)
+
+
+def _with_code(text: str) -> Any:
+    """Set what stands between backquotes as code."""
+    from markupsafe import Markup, escape
+
+    parts = re.split(r"`([^`\n]+)`", text)
+    return Markup("").join(
+        Markup("<code>{}</code>").format(part) if i % 2 else escape(part) for i, part in enumerate(parts)
+    )

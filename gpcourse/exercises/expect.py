@@ -186,6 +186,8 @@ def polygons(value: object, n_vertices: int, what: str = "The faces", *, on: str
         corners, sizes = flatten_polygons(_integral(value), n_vertices)
     except GeometryError as error:
         raise Wrong(f"{what} are not polygons: {error}.", yours=brief(value), on=on) from None
+    except Exception:  # noqa: BLE001  # a student's value may be of any kind
+        _refuse(what, "lists of indices", value, on)
     return [part.tolist() for part in np.split(corners, np.cumsum(sizes)[:-1])] if len(sizes) else []
 
 

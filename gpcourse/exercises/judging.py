@@ -12,6 +12,7 @@ import traceback
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any, Literal
 
 import numpy as np
@@ -187,46 +188,48 @@ def _run(check: Check, asked: Asked, seed: int) -> CheckResult:
 def name_mistakes(exercise: Exercise, results: list[CheckResult]) -> list[CheckResult]:
     """Give each failed check the known mistake that explains it, where there is one.
 
-    A mistake explains a check when it answers every question of that check as the student did.
-    Among those, the one that agrees with most of the student's other answers is named.
+    A mistake explains a check when it answers every question of that check as the student did. If
+    several do, the one that explains most of the other checks too is named.
     """
-    failed = [r for r in results if r.outcome not in ("passed", "grader fault")]
-    if not failed:
-        return results
-    agreement = [(m, [_agreements(exercise, m, r) for r in results]) for m in exercise.mistakes]
-    ranked = sorted(agreement, key=lambda entry: -sum(sum(flags) for flags in entry[1]))
+
+    @cache
+    def explains(m: int, r: int) -> bool:
+        mistake = exercise.mistakes[m]
+        return all(_agrees(exercise, mistake, question) for question in results[r].questions)
+
     named = list(results)
     for i, result in enumerate(results):
-        if result not in failed or not result.questions:
+        if result.outcome in ("passed", "grader fault") or not result.questions:
             continue
-        for mistake, flags in ranked:
-            if all(flags[i]):
-                named[i] = replace(result, mistake=mistake)
-                break
+        candidates = [m for m in range(len(exercise.mistakes)) if explains(m, i)]
+        if len(candidates) > 1:
+            candidates.sort(key=lambda m: -sum(explains(m, r) for r in range(len(results))))
+        if candidates:
+            named[i] = replace(result, mistake=exercise.mistakes[candidates[0]])
     return named
 
 
-def _agreements(exercise: Exercise, mistake: Mistake, result: CheckResult) -> list[bool]:
-    return [_agrees(exercise, mistake, question) for question in result.questions]
-
-
 def _agrees(exercise: Exercise, mistake: Mistake, question: Question) -> bool:
+    """Tell whether a mistake answers a question as the student did."""
     theirs = question.answer
-    ours = call(mistake.function, question.arguments, exercise.time_limit)
-    if ours.status != theirs.status:
+    mine = call(mistake.function, question.arguments, exercise.time_limit, ours=True)
+    if mine.status != theirs.status:
         return False
-    if ours.status == "raised":
-        return _builtin(ours.trouble) == _builtin(theirs.trouble)
-    if ours.status != "returned":
+    if mine.status == "raised":
+        return _builtin(mine.trouble) == _builtin(theirs.trouble)
+    if mine.status != "returned":
         return True
-    if call(exercise.reference, question.arguments, exercise.time_limit).status == "raised":
-        return True  # bad input that was not refused: what is returned for it means nothing
     try:
         a = exercise.canonical(question.arguments, theirs.value)
-        b = exercise.canonical(question.arguments, ours.value)
+        b = exercise.canonical(question.arguments, mine.value)
+        alike = same(a, b, AGREE)
     except Exception:  # noqa: BLE001  # a student's value of any kind may not fit the canonical form
-        return False
-    return same(a, b, AGREE)
+        alike = False
+    # Bad input that was not refused: what is returned for it means nothing.
+    return (
+        alike
+        or call(exercise.reference, question.arguments, exercise.time_limit, ours=True).status == "raised"
+    )
 
 
 def _builtin(trouble: Trouble | None) -> str:

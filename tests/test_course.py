@@ -1,0 +1,103 @@
+"""Every exercise of the course keeps the same promises."""
+
+import pytest
+
+from gpcourse.exercises.course import CHAPTERS, by_name, find
+from gpcourse.exercises.judging import ask_here, judge
+
+SEEDS = range(20)
+EXERCISES = [exercise for chapter in CHAPTERS for exercise in chapter.exercises]
+SOLUTIONS = [
+    pytest.param(exercise, function, id=f"{exercise.name}-{name}")
+    for exercise in EXERCISES
+    for name, function in [
+        ("reference", exercise.reference),
+        *((v.name, v.function) for v in exercise.variants),
+    ]
+]
+JUNK = [None, 0, -1.5, "text", [], (), {}, slice(3), float("nan"), [[None]], {1, 2}, b"\0", 1j]
+MISTAKES = [pytest.param(e, m, id=f"{e.name}-{m.name}") for e in EXERCISES for m in e.mistakes]
+
+
+def explain(verdict):
+    return [
+        (r.check.claim, r.outcome, str(r.wrong), r.trouble, r.fault)
+        for r in verdict.results
+        if r.outcome != "passed"
+    ]
+
+
+@pytest.mark.parametrize(("exercise", "function"), SOLUTIONS)
+def test_every_right_solution_passes_on_every_seed(exercise, function):
+    for seed in SEEDS:
+        verdict = judge(exercise, ask_here(function), seed)
+        assert verdict.outcome == "passed", (seed, explain(verdict))
+        assert verdict.points == exercise.points
+
+
+@pytest.mark.parametrize(("exercise", "mistake"), MISTAKES)
+def test_every_mistake_fails_and_is_named_on_every_seed(exercise, mistake):
+    for seed in SEEDS:
+        verdict = judge(exercise, ask_here(mistake.function), seed)
+        assert verdict.outcome in ("failed", "error", "timeout"), (seed, verdict.outcome, explain(verdict))
+        assert [m.name for m in verdict.mistakes] == [mistake.name], (seed, explain(verdict))
+        assert verdict.points < exercise.points
+
+
+@pytest.mark.parametrize("exercise", EXERCISES, ids=lambda e: e.name)
+def test_a_stub_is_not_attempted(exercise):
+    def stub(*arguments):
+        raise NotImplementedError
+
+    stub.__name__ = exercise.name
+    stub.__code__ = stub.__code__.replace(co_name=exercise.name)
+    verdict = judge(exercise, ask_here(stub), 0)
+    assert (verdict.outcome, verdict.points) == ("not attempted", 0)
+
+
+@pytest.mark.parametrize(
+    "junk", [None, 0, -1.5, "text", [], (), {}, object(), float("nan"), [[None]], {1, 2}, b"\0", 1j]
+)
+@pytest.mark.parametrize("exercise", EXERCISES, ids=lambda e: e.name)
+def test_no_answer_makes_a_check_fail_on_our_side(exercise, junk):
+    verdict = judge(exercise, ask_here(lambda *arguments: junk), 0)
+    faults = [r.fault for r in verdict.results if r.outcome == "grader fault"]
+    assert not faults, faults[0]
+    assert verdict.points < exercise.points
+
+
+@pytest.mark.parametrize("exercise", EXERCISES, ids=lambda e: e.name)
+def test_an_exercise_is_declared_in_full(exercise):
+    assert exercise.checks
+    assert exercise.points > 0
+    assert len(exercise.hints) >= 2
+    assert len(exercise.mistakes) >= 3
+    assert len(exercise.variants) >= 2
+    assert exercise.summary.endswith(".")
+    assert exercise.notes
+    for mistake in exercise.mistakes:
+        assert mistake.hint
+        assert not mistake.name.endswith(".")
+
+
+def test_another_seed_gives_other_inputs_and_the_same_seed_the_same():
+    def inputs(exercise, seed):
+        asked = []
+
+        def ask(arguments, limit):
+            asked.append(repr([getattr(a, "vertices", a) for a in arguments]))
+            return ask_here(exercise.reference)(arguments, limit)
+
+        judge(exercise, ask, seed)
+        return asked
+
+    changing = [e for e in EXERCISES if e.signature.parameters]
+    for exercise in changing:
+        assert inputs(exercise, 1) == inputs(exercise, 1)
+        assert inputs(exercise, 1) != inputs(exercise, 2), exercise.name
+
+
+def test_names_are_unique_and_found():
+    assert len(by_name()) == len(EXERCISES)
+    for exercise in EXERCISES:
+        assert find(exercise.name) is exercise

@@ -1,0 +1,83 @@
+"""Grading a class."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from gpcourse.grading import GradeBook
+
+
+@click.command()
+@click.argument("submissions", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.option("--out", required=True, type=click.Path(path_type=Path), help="The folder for the grade book.")
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Draws the inputs.")
+@click.option("--chapter", "chapters", multiple=True, help="Grade this chapter only, as 1 or halfedge.")
+@click.option("--jobs", type=click.IntRange(min=1), help="Submissions at a time; by default one a core.")
+@click.option("--quiet", is_flag=True, help="No progress bar, no summary.")
+@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+def grade(
+    *,
+    submissions: Path,
+    out: Path,
+    seed: int,
+    chapters: tuple[str, ...],
+    jobs: int | None,
+    quiet: bool,
+    as_json: bool,
+) -> None:
+    """Grade a folder of SUBMISSIONS: a notebook a student, or a folder a student.
+
+    The same seed gives the same grades, another seed other inputs. Exits with 0 when all were graded,
+    whatever the grades, and with 1 when a person has to look at one.
+    """
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from gpcourse.grading import grade as grade_folder
+
+    columns = (TextColumn("grading"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), disable=quiet or as_json) as bar:
+        task = bar.add_task("grading", total=None)
+        book = grade_folder(
+            submissions,
+            out,
+            seed=seed,
+            chapters=chapters or None,
+            jobs=jobs,
+            progress=lambda done, total, _: bar.update(task, completed=done, total=total),
+        )
+    faults = sum(report.status == "grader fault" for report in book.reports)
+    if as_json:
+        click.echo(json.dumps(_summary(book), ensure_ascii=False, indent=1))
+    elif not quiet:
+        _show(book)
+    raise SystemExit(faults > 0)
+
+
+def _summary(book: GradeBook) -> dict[str, object]:
+    return {
+        "seed": book.seed,
+        "chapters": [chapter.stem for chapter in book.chapters],
+        "out_of": sum(exercise.points for exercise in book.exercises),
+        "table": str(book.table),
+        "page": str(book.page),
+        "students": [
+            {"student": r.student, "points": r.points, "status": r.status, "notes": list(r.notes)}
+            for r in book.reports
+        ],
+    }
+
+
+def _show(book: GradeBook) -> None:
+    statuses = Counter(report.status for report in book.reports)
+    many = len(book.reports)
+    words = ", ".join(f"{count} {status}" for status, count in sorted(statuses.items()))
+    click.echo(f"{many} submission{'' if many == 1 else 's'}: {words}")
+    click.echo(f"The table is {book.table}")
+    click.echo(f"The report is {book.page}")

@@ -10,11 +10,11 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gpcourse.exercises import feedback
 from gpcourse.exercises.course import Chapter
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Outcome
 from gpcourse.grading import gradebook
-from gpcourse.grading import panels as feedback
 from gpcourse.grading.judge import Judged, Report
 
 if TYPE_CHECKING:

@@ -154,9 +154,9 @@ def _facts(verdict: Verdict, result: CheckResult) -> tuple[tuple[tuple[str, str]
         wrong = result.wrong
         facts = [("yours", wrong.yours), ("true", wrong.truth), ("input", wrong.on)]
         facts = [(label, clean(value, 400)) for label, value in facts if value]
-    if result.questions:
+    if result.question is not None:
         parameters = list(verdict.exercise.signature.parameters)
-        call, legend = written_call(verdict.exercise.name, parameters, result.questions[-1].arguments)
+        call, legend = written_call(verdict.exercise.name, parameters, result.question.arguments)
         facts.append(("call", clean(call, 600)))
     return tuple(facts), tuple(clean(line, 200) for line in legend)
 

@@ -44,7 +44,7 @@ def irregular_patch(rng: Rng, n: int = 100, *, stretch: float = 1.0) -> Shape:
 
 
 def random_closed(
-    rng: Rng, n_vertices: int = 60, *, genus: int | None = None, n_components: int = 1
+    rng: Rng, n_vertices: int = 60, *, genus: int | None = 0, n_components: int = 1
 ) -> Shape:
     """Return a closed triangle mesh of random shape, size and place, numbered at random.
 
@@ -56,7 +56,7 @@ def random_closed(
     n_vertices : int
         Number of vertices of a component, about; a surface with handles takes more if it needs them.
     genus : int or None
-        Number of handles of a component; None draws 0, 1 or 2 for each.
+        Number of handles of a component; None draws 0, 1 or 2 for each one.
     n_components : int
         Number of pieces.
     """
@@ -79,7 +79,7 @@ def random_bounded(
     n_vertices: int = 60,
     *,
     loops: int | None = None,
-    genus: int | None = None,
+    genus: int | None = 0,
     n_components: int = 1,
 ) -> Shape:
     """Return a mesh like `random_closed` with holes cut into it, no two of which share a vertex.

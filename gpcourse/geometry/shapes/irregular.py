@@ -43,9 +43,7 @@ def irregular_patch(rng: Rng, n: int = 100, *, stretch: float = 1.0) -> Shape:
     return flat("irregular patch", vertices, faces, loops=(4 * k,), interior=free[:, 0] & free[:, 1])
 
 
-def random_closed(
-    rng: Rng, n_vertices: int = 60, *, genus: int | None = 0, n_components: int = 1
-) -> Shape:
+def random_closed(rng: Rng, n_vertices: int = 60, *, genus: int | None = 0, n_components: int = 1) -> Shape:
     """Return a closed triangle mesh of random shape, size and place, numbered at random.
 
     It has vertices of valence 3, obtuse triangles, a size between about 0.01 and 100, and lies up to ten

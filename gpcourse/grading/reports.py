@@ -73,7 +73,7 @@ def student_page(report: Report, chapters: Sequence[Chapter], seed: int) -> str:
         {
             "cell": _cell(judged),
             "name": judged.verdict.exercise.name,
-            "summary": judged.verdict.exercise.summary,
+            "summary": judged.verdict.exercise.summary.replace("`", ""),
             "outcome": judged.verdict.outcome,
             # as_html escapes what comes from a student
             "html": Markup(feedback.as_html(judged.verdict)) if judged.verdict.results else "",

@@ -110,7 +110,9 @@ def _headline(verdict: Verdict) -> str:
         return "Right: the check passes." if total == 1 else f"Right: all {total} checks pass."
     if not total:
         return sentence(
-            _HAPPENED.get(verdict.outcome, verdict.outcome).format(limit=verdict.exercise.time_limit)
+            _HAPPENED.get(verdict.outcome, "Your code could not be run.").format(
+                limit=verdict.exercise.time_limit
+            )
         )
     if all(r.outcome in ("passed", "grader fault") for r in verdict.results):
         return f"{passed} of {total} checks pass; the rest could not be decided, by our fault."

@@ -74,9 +74,10 @@ $(READY): $(FOUND) pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
 	@touch $@
 
-$(TEST_READY): $(READY)
+$(TEST_READY): $(FOUND) pyproject.toml
+	@echo "Installing the course and its tests into $(VENV); the first time takes a minute or two"
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
-	@touch $@
+	@touch $(READY) $@
 
 # A peer that cannot be built here is left out, and the benchmark says so.
 $(BENCH_READY): $(READY) benchmarks/peers.txt

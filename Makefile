@@ -12,10 +12,11 @@ READY = $(VENV)/.installed
 TEST_READY = $(VENV)/.installed-test
 BENCH_READY = $(VENV)/.installed-bench
 
-# --dist loadfile: the cells of one notebook need one kernel, in order.
-PYTEST = $(BIN)/pytest -n 2 --dist loadfile
+# The tests of the package are independent: a worker that is done takes some from the other.
+PYTEST = $(BIN)/pytest -n 2 --dist worksteal
 # Lax: only cells marked NBVAL_CHECK_OUTPUT are compared, an exception fails in any cell.
-NBVAL = $(PYTEST) --nbval-lax --nbval-current-env --nbval-cell-timeout=120
+# --dist loadfile: the cells of one notebook need one kernel, in order.
+NBVAL = $(BIN)/pytest -n 2 --dist loadfile --nbval-lax --nbval-current-env --nbval-cell-timeout=120
 
 .PHONY: help lab test lint nbval pytest grade solve bench clean
 .DEFAULT_GOAL = help

@@ -245,7 +245,7 @@ def spectral_filter(
     frequencies: FloatArray,
     phi: FloatArray,
     M: sparse.csr_array,
-    response: Callable[[FloatArray], FloatArray],
+    response: FloatArray | Callable[[FloatArray], FloatArray],
 ) -> FloatArray:
     r"""Scale every mode of a function by the response to its frequency.
 
@@ -261,9 +261,9 @@ def spectral_filter(
         The modes, orthonormal in the inner product of M.
     M : (n, n) csr_array
         Mass matrix.
-    response : callable
-        Gives a factor for each frequency: ``response(frequencies)`` has shape (k,). Diffusion for a time t
-        is ``lambda w: np.exp(-w * t)``.
+    response : (k,) float array, or callable
+        A factor for each mode; or what gives the factors, as ``response(frequencies)``. Diffusion for
+        a time t is ``np.exp(-frequencies * t)``, or ``lambda w: np.exp(-w * t)``.
 
     Returns
     -------
@@ -276,7 +276,8 @@ def spectral_filter(
     """
     coefficients = spectral_coefficients(f, phi, M)
     w = as_values(frequencies, len(coefficients), "frequencies", "modes")
-    factors = as_values(response(w), len(w), "response(frequencies)", "modes")
+    given, name = (response(w), "response(frequencies)") if callable(response) else (response, "response")
+    factors = as_values(given, len(w), name, "modes")
     return np.asarray(phi @ (factors * coefficients.T).T)
 
 

@@ -72,12 +72,14 @@ def stable_step(C: sparse.csr_array, M: sparse.csr_array) -> float:
     half = sparse.diags_array(1 / np.sqrt(cell_areas(M, stiffness.shape[0])))
     A = sparse.csr_array(-half @ stiffness @ half)
     n = A.shape[0]
+    if not A.data.any():
+        return np.inf
     if n <= 100:
-        largest = float(np.linalg.eigvalsh(A.toarray()).max(initial=0))
+        largest = float(np.linalg.eigvalsh(A.toarray()).max())
     else:
         start = np.random.default_rng(0).normal(size=n)
         largest = float(eigsh(A, 1, which="LA", v0=start, tol=1e-8, return_eigenvectors=False)[0])
-    return 2 / largest if largest > 0 else np.inf
+    return 2 / largest
 
 
 def implicit_step(

@@ -275,12 +275,14 @@ def boundary_vertices(faces: IntArray, n_vertices: int) -> BoolArray:
     corners = as_triangles(faces, n_vertices)
     ahead = np.roll(corners, -1, axis=1)
     edge = np.sort((np.minimum(corners, ahead) * n_vertices + np.maximum(corners, ahead)).ravel())
-    # Sorted, the two sides of an edge are neighbours; an edge that differs from both its own has one side.
-    differs = np.concatenate([[True], edge[1:] != edge[:-1], [True]])
-    single = edge[differs[1:] & differs[:-1]]
+    # Sorted, the two sides of an inner edge are neighbours.
+    same = edge[1:] == edge[:-1]
+    single = np.ones(len(edge), dtype=bool)
+    single[1:] &= ~same
+    single[:-1] &= ~same
+    smaller, larger = np.divmod(edge[single], max(n_vertices, 1))
     boundary = np.zeros(n_vertices, dtype=bool)
-    boundary[single // max(n_vertices, 1)] = True
-    boundary[single % max(n_vertices, 1)] = True
+    boundary[smaller] = boundary[larger] = True
     return boundary
 
 

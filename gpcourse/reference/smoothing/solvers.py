@@ -14,8 +14,8 @@ from gpcourse.geometry.arrays import FloatArray, IntArray
 #: Solves a system for a right-hand side of shape (n,) or (n, k).
 Solve = Callable[[FloatArray], FloatArray]
 
-#: Largest error of a solution that rounding explains, relative to the terms of ``A x - b``.
-_BACKWARD_ERROR = 1e-8
+#: Largest residual that rounding explains, relative to the terms of ``A x - b``.
+_ROUNDING = 1e-10
 
 
 def factorized(A: sparse.csr_array) -> Solve:
@@ -39,12 +39,14 @@ def factorized(A: sparse.csr_array) -> Solve:
     except RuntimeError:
         raise SingularSystemError("the matrix is singular; fix some values, or remove empty rows") from None
 
+    norm = abs(A).sum(axis=1).max(initial=0)
+
     def solve(b: FloatArray) -> FloatArray:
         x = np.asarray(lu.solve(b))
-        terms = abs(A) @ np.abs(x) + np.abs(b)
-        if not np.abs(A @ x - b).max(initial=0) <= _BACKWARD_ERROR * terms.max(initial=1e-300):
+        terms = norm * np.abs(x).max(initial=0) + np.abs(b).max(initial=0)
+        if not np.abs(A @ x - b).max(initial=0) <= _ROUNDING * terms:
             raise SingularSystemError(
-                "the matrix is singular up to rounding; fix some values, or repair needle-like triangles"
+                "the matrix is not positive definite; is C the cotangent matrix, and no step negative?"
             )
         return x
 
@@ -73,9 +75,9 @@ def conjugate_gradients(A: sparse.csr_array, b: FloatArray, start: FloatArray) -
     columns = []
     for right, guess in zip(np.atleast_2d(b.T), np.atleast_2d(start.T), strict=True):
         y, failed = cg(scaled, scale * right, x0=guess / scale, rtol=1e-12, atol=0.0, maxiter=10 * len(right))
-        if failed:
+        if failed or not np.linalg.norm(scaled @ y - scale * right) <= 1e-6 * np.linalg.norm(scale * right):
             raise SingularSystemError(
-                f"conjugate gradients have not converged after {10 * len(right)} iterations; "
+                f"conjugate gradients have not converged in {10 * len(right)} iterations; "
                 "take a smaller step or the Cholesky solver"
             )
         columns.append(scale * y)

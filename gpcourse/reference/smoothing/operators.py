@@ -8,7 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from gpcourse.errors import GeometryError, MeshError
-from gpcourse.geometry.arrays import BoolArray, FloatArray, IntArray, as_points, as_triangles
+from gpcourse.geometry.arrays import BoolArray, FloatArray, IntArray, as_triangles
 from gpcourse.geometry.triangles import corner_cotangents, face_areas
 
 
@@ -141,7 +141,8 @@ def voronoi_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
     ----------
     Notes ch. 6 §4; Meyer et al. 2003.
     """
-    return _summed_at_corners(faces, _voronoi_parts(vertices, faces), len(vertices))
+    parts = _voronoi_parts(corner_cotangents(vertices, faces), face_areas(vertices, faces))
+    return _summed_at_corners(faces, parts, len(vertices))
 
 
 def mixed_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
@@ -173,11 +174,10 @@ def mixed_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
     ----------
     Notes ch. 6 §4, *Mixed Cells*; Meyer et al. 2003, fig. 4.
     """
-    obtuse_corner = corner_cotangents(vertices, faces) < 0
-    obtuse = obtuse_corner.any(axis=1, keepdims=True)
-    areas = face_areas(vertices, faces)[:, None]
-    cut = np.where(obtuse_corner, areas / 2, areas / 4)
-    parts = np.where(obtuse, cut, _voronoi_parts(vertices, faces))
+    cotangents, areas = corner_cotangents(vertices, faces), face_areas(vertices, faces)
+    parts = _voronoi_parts(cotangents, areas)
+    obtuse = np.flatnonzero((cotangents < 0).any(axis=1))
+    parts[obtuse] = np.where(cotangents[obtuse] < 0, 0.5, 0.25) * areas[obtuse, None]
     return _summed_at_corners(faces, parts, len(vertices))
 
 
@@ -306,13 +306,13 @@ def refuse_empty_cells(areas: FloatArray) -> None:
         )
 
 
-def _voronoi_parts(vertices: FloatArray, faces: IntArray) -> FloatArray:
+def _voronoi_parts(cotangents: FloatArray, areas: FloatArray) -> FloatArray:
     """Return what each corner of each triangle gets of it, up to the circumcentre; (m, 3)."""
-    points, cotangents = as_points(vertices, "vertices"), corner_cotangents(vertices, faces)
-    ahead, behind = points[np.roll(faces, -1, axis=1)], points[np.roll(faces, -2, axis=1)]
-    # Between the edge opposite to a corner and the circumcentre: a triangle for each end of the edge.
-    by_edge = np.square(ahead - behind).sum(axis=2) * cotangents / 8
-    return np.asarray(np.roll(by_edge, -1, axis=1) + np.roll(by_edge, -2, axis=1))
+    # The edge opposite to α has the squared length 2A (cot β + cot γ), and the three products of two
+    # cotangents sum to 1: so the two terms of corner α are together A (1 + cot β cot γ) / 4.
+    alpha, beta, gamma = cotangents.T
+    others = np.stack([beta * gamma, gamma * alpha, alpha * beta], axis=1)
+    return np.asarray((1 + others) * (areas[:, None] / 4))
 
 
 def _summed_at_corners(faces: IntArray, values: FloatArray, n_vertices: int) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -29,8 +30,10 @@ def bounded(rng: Rng) -> shapes.Shape:
 
 
 def apart(rng: Rng) -> shapes.Shape:
-    """Draw two components, one closed and one with a hole."""
-    return shapes.shuffled(shapes.union(closed(rng), bounded(rng)), rng)
+    """Draw two components of like size, one closed and one with holes."""
+    whole, open_ = closed(rng), bounded(rng)
+    ratio = float(np.ptp(open_.vertices, axis=0).max() / np.ptp(whole.vertices, axis=0).max())
+    return shapes.shuffled(shapes.union(whole.scaled(ratio), open_), rng)
 
 
 def faces_of(shape: shapes.Shape) -> IntArray:
@@ -91,9 +94,15 @@ def grid(rng: Rng, k: int = 5) -> shapes.Shape:
     return shapes.shuffled(square, rng)
 
 
+@cache
+def unit_sphere() -> shapes.Shape:
+    """Return the icosphere of 42 vertices, which takes longer to make than most answers."""
+    return shapes.icosphere(1)
+
+
 def sphere(rng: Rng, radius: float = 1.0) -> shapes.Shape:
     """Return 42 vertices on a sphere about the origin, shaken so little that no angle is obtuse."""
-    regular = shapes.icosphere(1)
+    regular = unit_sphere()
     shaken = regular.vertices + rng.uniform(-0.03, 0.03, regular.vertices.shape)
     normals = shaken / np.linalg.norm(shaken, axis=1, keepdims=True)
     return shapes.shuffled(replace(regular, vertices=radius * normals, normals=normals), rng)

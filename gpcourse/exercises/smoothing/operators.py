@@ -300,7 +300,7 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
         for k in range(3):
             i, j, o = face[k], face[(k + 1) % 3], face[(k + 2) % 3]
             a, b = vertices[i] - vertices[o], vertices[j] - vertices[o]
-            w = 0.5 * (a @ b) / np.linalg.norm(np.cross(a, b))
+            w = 0.5 * (a @ b) / np.linalg.norm(truths.cross(a, b))
             C[i, j] += w
             C[j, i] += w
             C[i, i] -= w
@@ -392,7 +392,8 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
         for j in ring:
             for o in sorted(ring & rings[j]):
                 a, b = vertices[i] - vertices[o], vertices[j] - vertices[o]
-                W[i, j] += 0.5 * (a @ b) / max(float(np.linalg.norm(np.cross(a, b))), 1e-300)
+                squared = (a @ a) * (b @ b) - (a @ b) ** 2
+                W[i, j] += 0.5 * (a @ b) / np.sqrt(max(float(squared), 1e-300))
     return W - np.diag(W.sum(axis=1))
 
 

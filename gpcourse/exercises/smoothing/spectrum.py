@@ -19,6 +19,7 @@ from gpcourse.exercises.smoothing.inputs import (
     grid,
     matrices,
     sphere,
+    unit_sphere,
 )
 from gpcourse.geometry import shapes
 from gpcourse.geometry.arrays import FloatArray
@@ -92,7 +93,7 @@ def _(f: Asked, rng: Rng) -> None:
 @EIGENMODES.check("a sphere of radius R: l(l + 1)/R², 2l + 1 times")
 def _(f: Asked, rng: Rng) -> None:
     R = float(rng.uniform(0.1, 10.0))
-    ball = shapes.shuffled(shapes.icosphere(1, radius=R), rng)
+    ball = shapes.shuffled(unit_sphere().scaled(R), rng)
     C, M = matrices(ball)
     on = f"a sphere of radius {R:.3g}, k = 9"
     frequencies, _phi = _modes(f(C, M, 9), len(ball.vertices), 9, on)

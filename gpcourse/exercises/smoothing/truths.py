@@ -8,6 +8,13 @@ import numpy as np
 
 from gpcourse.geometry.arrays import BoolArray, FloatArray, IntArray
 
+_AHEAD, _BEHIND = np.array([1, 2, 0]), np.array([2, 0, 1])
+
+
+def cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the cross product; that of numpy takes ten times as long on few vectors."""
+    return np.asarray(a[..., _AHEAD] * b[..., _BEHIND] - a[..., _BEHIND] * b[..., _AHEAD])
+
 
 def opposite_edges(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Return the (m, 3, 3) edge vectors, row k that which faces corner k."""
@@ -18,7 +25,7 @@ def opposite_edges(vertices: FloatArray, faces: IntArray) -> FloatArray:
 def face_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Return the (m,) areas."""
     e = opposite_edges(vertices, faces)
-    return np.asarray(np.linalg.norm(np.cross(e[:, 0], e[:, 1]), axis=1) / 2)
+    return np.asarray(np.linalg.norm(cross(e[:, 0], e[:, 1]), axis=1) / 2)
 
 
 def cotangents(vertices: FloatArray, faces: IntArray) -> FloatArray:
@@ -55,10 +62,10 @@ def stiffness(vertices: FloatArray, faces: IntArray) -> FloatArray:
 def area_gradient(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Return the (n, 3) gradient of the surface's area: a corner pulls at right angles to its edge."""
     e = opposite_edges(vertices, faces)
-    normal = np.cross(e[:, 0], e[:, 1])
+    normal = cross(e[:, 0], e[:, 1])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     gradient = np.zeros_like(vertices)
-    np.add.at(gradient, faces, np.cross(normal[:, None, :], e) / 2)
+    np.add.at(gradient, faces, cross(normal[:, None, :], e) / 2)
     return gradient
 
 
@@ -68,10 +75,10 @@ def circumcentric_corners(vertices: FloatArray, faces: IntArray) -> FloatArray:
     squared = np.square(opposite_edges(vertices, faces)).sum(axis=2)
     weight = squared * (squared.sum(axis=1, keepdims=True) - 2 * squared)
     centre = np.einsum("fk,fkx->fx", weight / weight.sum(axis=1, keepdims=True), x)[:, None, :]
-    normal = np.cross(x[:, 1], x[:, 2])
+    normal = cross(x[:, 1], x[:, 2])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     ahead, behind = (np.roll(x, -1, axis=1) - x) / 2, (np.roll(x, -2, axis=1) - x) / 2
-    twice = np.cross(ahead, centre - x) + np.cross(centre - x, behind)
+    twice = cross(ahead, centre - x) + cross(centre - x, behind)
     return np.asarray(np.einsum("fkx,fx->fk", twice, normal) / 2)
 
 

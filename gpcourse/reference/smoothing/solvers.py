@@ -63,25 +63,44 @@ def conjugate_gradients(A: sparse.csr_array, b: FloatArray, start: FloatArray) -
     SingularSystemError
         If the iteration does not come to an end, as on a matrix that is not positive definite.
     """
-    from scipy.sparse.linalg import cg
-
     diagonal = A.diagonal()
     if not (diagonal > 0).all():
         raise SingularSystemError(
             f"entry {int(np.argmin(diagonal > 0))} of the diagonal is not positive; is the step negative?"
         )
     scale = 1 / np.sqrt(diagonal)
-    scaled = sparse.diags_array(scale) @ A @ sparse.diags_array(scale)
-    columns = []
-    for right, guess in zip(np.atleast_2d(b.T), np.atleast_2d(start.T), strict=True):
-        y, failed = cg(scaled, scale * right, x0=guess / scale, rtol=1e-12, atol=0.0, maxiter=10 * len(right))
-        if failed or not np.linalg.norm(scaled @ y - scale * right) <= 1e-6 * np.linalg.norm(scale * right):
-            raise SingularSystemError(
-                f"conjugate gradients have not converged in {10 * len(right)} iterations; "
-                "take a smaller step or the Cholesky solver"
-            )
-        columns.append(scale * y)
-    return np.asarray(columns).T.reshape(b.shape)
+    scaled = sparse.csr_array(sparse.diags_array(scale) @ A @ sparse.diags_array(scale))
+    columns = zip(np.atleast_2d(b.T), np.atleast_2d(start.T), strict=True)
+    x = [scale * _descend(scaled, scale * right, guess / scale) for right, guess in columns]
+    return np.stack(x, axis=-1).reshape(b.shape)
+
+
+def _descend(A: sparse.csr_array, b: FloatArray, x: FloatArray) -> FloatArray:
+    """Minimise ½ xᵀAx - bᵀx along directions of which none undoes what another one has gained."""
+    residual = b - A @ x
+    direction = residual
+    left, enough = _dot(residual, residual), 1e-24 * _dot(b, b)
+    for _ in range(10 * len(b)):
+        if left <= enough:
+            break
+        ahead = A @ direction
+        length = left / _dot(direction, ahead)
+        x = x + length * direction
+        residual = residual - length * ahead
+        before, left = left, _dot(residual, residual)
+        direction = residual + left / before * direction
+    # The residual that is carried along can drift from the true one where the matrix is nearly singular.
+    error = b - A @ x
+    if not _dot(error, error) <= 1e12 * enough:
+        raise SingularSystemError(
+            "conjugate gradients have not converged; take a smaller step or the Cholesky solver"
+        )
+    return x
+
+
+def _dot(a: FloatArray, b: FloatArray) -> float:
+    # Not a @ b: the threads of BLAS wait for each other longer than this takes where other programs run.
+    return float(np.einsum("i,i->", a, b))
 
 
 def solve_with_fixed(A: sparse.csr_array, b: FloatArray, fixed: IntArray, values: FloatArray) -> FloatArray:

@@ -165,14 +165,16 @@ def _sines_and_cosines(vertices: object, faces: object) -> tuple[FloatArray, Flo
     triangles = as_triangles(faces, len(points))
     sine = np.empty(len(triangles))
     cosine = np.empty((len(triangles), 3))
+    sound = True
     for block, u, v, w in _edge_blocks(points, triangles):
-        sine[block] = _cross_length(u, v)
+        sine[block] = twice_area = _cross_length(u, v)
         # The edges run around the face, so that the two at a corner make the outer angle there.
-        for corner, (one, other) in enumerate(((v, w), (w, u), (u, v))):
-            cosine[block, corner] = -(one * other).sum(axis=0)
-    # The squared edge opposite to a corner is the sum of the cosines at the other two.
-    longest = cosine.sum(axis=1) - cosine.min(axis=1, initial=np.inf)
-    if not (sine > FLAT * longest).all():
+        a, b, c = (-(one * other).sum(axis=0) for one, other in ((v, w), (w, u), (u, v)))
+        cosine[block, 0], cosine[block, 1], cosine[block, 2] = a, b, c
+        # The squared edge opposite to a corner is the sum of the cosines at the other two.
+        longest = np.maximum(np.maximum(b + c, c + a), a + b)
+        sound &= bool((twice_area > FLAT * longest).all())
+    if not sound:
         _refuse_flat(sine, *_corners(points, triangles))
     return sine, cosine
 

@@ -176,8 +176,9 @@ def mixed_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """
     cotangents, areas = corner_cotangents(vertices, faces), face_areas(vertices, faces)
     parts = _voronoi_parts(cotangents, areas)
-    obtuse = np.flatnonzero((cotangents < 0).any(axis=1))
-    parts[obtuse] = np.where(cotangents[obtuse] < 0, 0.5, 0.25) * areas[obtuse, None]
+    face, corner = np.nonzero(cotangents < 0)  # a triangle has one obtuse corner at most
+    parts[face] = areas[face, None] / 4
+    parts[face, corner] = areas[face] / 2
     return _summed_at_corners(faces, parts, len(vertices))
 
 

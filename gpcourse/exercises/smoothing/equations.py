@@ -11,6 +11,7 @@ from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
 from gpcourse.exercises.smoothing import expecting, pictures, truths
 from gpcourse.exercises.smoothing.inputs import (
+    ITERATED,
     SINGLE,
     Rng,
     bounded,
@@ -400,7 +401,7 @@ def _(f: Asked, rng: Rng) -> None:
     mode = phi[:, i] / np.abs(phi[:, i]).max()
     value = f(C, M, mode, t)
     on = f"mode {i} of a closed mesh, t = {t * frequencies[i]:.3g}/ω"
-    expecting.values(value, mode / (1 + t * frequencies[i]), shape, "f′", on=on, scale=5.0)
+    expecting.values(value, mode / (1 + t * frequencies[i]), shape, "f′", on=on, scale=100.0)
 
 
 @HEAT_STEP.check("no heat is lost: the integral of f stays, and a constant does")
@@ -413,8 +414,8 @@ def _(f: Asked, rng: Rng) -> None:
     on = "a mesh with holes"
     mine = expect.array(answers[0], (n,), "f′", on=on)
     total = float(areas @ start)
-    expect.close(float(areas @ mine), total, SOLVED * float(areas.sum()), "The integral of f′", on=on)
-    expecting.values(answers[1], np.full(n, 2.0), shape, "f′", on=f"f = 2 all over {on}", scale=5.0)
+    expect.close(float(areas @ mine), total, ITERATED * float(areas.sum()), "The integral of f′", on=on)
+    expecting.values(answers[1], np.full(n, 2.0), shape, "f′", on=f"f = 2 all over {on}", scale=100.0)
 
 
 @HEAT_STEP.check("(M − tC) f′ = M f, for several columns, and for a huge t", points=2)
@@ -432,7 +433,7 @@ def _(f: Asked, rng: Rng) -> None:
         picture = pictures.of_residual(shape.vertices, faces_of(shape), residual, "residual")
         what = "(M − tC)f′ − Mf"
         expect.close(
-            residual, 0.0, SOLVED * size * max(1.0, np.abs(mine).max()), what, on=on, picture=picture
+            residual, 0.0, ITERATED * size * max(1.0, np.abs(mine).max()), what, on=on, picture=picture
         )
 
 
@@ -446,7 +447,7 @@ def _(f: Asked, rng: Rng) -> None:
     beyond = np.maximum(mine - start.max(), start.min() - mine)
     picture = pictures.of_residual(square.vertices, faces_of(square), np.maximum(beyond, 0), "beyond")
     message = "After the step there are values beyond the largest or the smallest before it."
-    expect.that(float(beyond.max()) <= SOLVED, message, on=on, picture=picture)
+    expect.that(float(beyond.max()) <= ITERATED, message, on=on, picture=picture)
 
 
 def _heat(system: FloatArray, right: FloatArray) -> Any:

@@ -11,6 +11,7 @@ from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
 from gpcourse.exercises.smoothing import expecting, pictures, truths
 from gpcourse.exercises.smoothing.inputs import (
+    ITERATED,
     SINGLE,
     Rng,
     bounded,
@@ -311,7 +312,7 @@ def _(f: Asked, rng: Rng) -> None:
         size = (float(areas.max()) + lam * float(abs(C).max())) / areas.mean()
         size *= max(float(np.abs(shape.vertices).max()), float(np.abs(mine).max()))
         picture = pictures.of_residual(shape.vertices, faces_of(shape), residual, "residual")
-        expect.close(residual, 0.0, SOLVED * size, "(M − λC)P′ − MP", on=on, picture=picture)
+        expect.close(residual, 0.0, ITERATED * size, "(M − λC)P′ − MP", on=on, picture=picture)
 
 
 @IMPLICIT_STEP.check("the centre of a closed surface stays, however far from the origin")
@@ -325,7 +326,7 @@ def _(f: Asked, rng: Rng) -> None:
     before, after = (areas @ x / areas.sum() for x in (shape.vertices, mine))
     picture = pictures.of_positions(shape.vertices, mine, shape.vertices, faces_of(shape))
     size = 10 * max(float(np.abs(shape.vertices).max()), float(np.abs(mine).max()))
-    expect.close(after, before, SOLVED * size, "The centre of the surface", on=on, picture=picture)
+    expect.close(after, before, ITERATED * size, "The centre of the surface", on=on, picture=picture)
 
 
 def _step(P: FloatArray, C: Any, M: Any, lam: float) -> FloatArray:

@@ -18,6 +18,9 @@ Rng = np.random.Generator
 #: of a dozen terms. Double precision is off by about 1e-12, far from the origin included.
 SINGLE = 2e-6
 
+#: Conjugate gradients as SciPy stops them leave a residual of 1e-5; that is good enough for a flow.
+ITERATED = 5e-5
+
 
 def closed(rng: Rng) -> shapes.Shape:
     """Draw a closed surface with a handle, 26 vertices: valence 3, obtuse angles, any size and place."""

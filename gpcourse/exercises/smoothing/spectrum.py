@@ -19,7 +19,6 @@ from gpcourse.exercises.smoothing.inputs import (
     grid,
     matrices,
     sphere,
-    unit_sphere,
 )
 from gpcourse.geometry import shapes
 from gpcourse.geometry.arrays import FloatArray
@@ -77,15 +76,16 @@ def _(f: Asked, rng: Rng) -> None:
     expect.close(residual, 0.0, MODES * scale, "Δφ + ωφ", on=on, picture=picture)
 
 
-@EIGENMODES.check("a square that keeps its heat has the frequencies of its cosines")
+@EIGENMODES.check("a rectangle that keeps its heat has the frequencies of its cosines")
 def _(f: Asked, rng: Rng) -> None:
     square = grid(rng)
-    side = float(rng.uniform(0.1, 10.0))
-    C, M = matrices(square.scaled(side))
-    # cos(pπx) cos(qπy), sampled, is a mode of the five-point stencil: two sines for five cells.
+    # Sides of different lengths: iterations that start from one vector may miss a repeated frequency.
+    a, b = float(rng.uniform(0.1, 10.0)) * np.array([1.0, rng.uniform(0.6, 0.8)])
+    C, M = matrices(square.transformed(np.diag([a, b, 1.0])))
+    # cos(pπx/a) cos(qπy/b), sampled, is a mode of the five-point stencil: two sines for five cells each way.
     sine = np.square(np.sin(np.pi * np.arange(6) / 10))
-    truth = np.sort((4 * 25 / side**2 * (sine[:, None] + sine)).ravel())[:6]
-    on = f"a square of side {side:.3g} in 25 cells, k = 6"
+    truth = np.sort((100 / a**2 * sine[:, None] + 100 / b**2 * sine).ravel())[:6]
+    on = f"a rectangle of sides {a:.3g} and {b:.3g} in 25 cells, k = 6"
     frequencies, _phi = _modes(f(C, M, 6), 36, 6, on)
     expect.close(frequencies, truth, MODES * truth[-1], "The frequencies", on=on)
 
@@ -93,13 +93,13 @@ def _(f: Asked, rng: Rng) -> None:
 @EIGENMODES.check("a sphere of radius R: l(l + 1)/R², 2l + 1 times")
 def _(f: Asked, rng: Rng) -> None:
     R = float(rng.uniform(0.1, 10.0))
-    ball = shapes.shuffled(unit_sphere().scaled(R), rng)
+    ball = sphere(rng, R)
     C, M = matrices(ball)
     on = f"a sphere of radius {R:.3g}, k = 9"
     frequencies, _phi = _modes(f(C, M, 9), len(ball.vertices), 9, on)
     truth = np.repeat([0.0, 2.0, 6.0], [1, 3, 5]) / R**2
-    # With 42 vertices the first are 1 % off and the next 4 %.
-    expect.close(frequencies, truth, 0.1 * truth[-1], "The frequencies", on=on)
+    # With 42 vertices they are up to 11 % of the largest off, in 200 draws.
+    expect.close(frequencies, truth, 0.15 * truth[-1], "The frequencies", on=on)
 
 
 @EIGENMODES.check("as many zeros as there are pieces")

@@ -11,6 +11,7 @@ The tree::
     │   │   └── HalfedgeError                 half-edge records contradict each other
     │   ├── DegenerateFaceError               a face without area
     │   ├── FlipError                         this edge must not be flipped
+    │   ├── SingularSystemError               a linear system without exactly one solution
     │   └── OffFormatError                    the text is not an OFF file
     ├── ExerciseError                         no such exercise, or one that is declared badly
     ├── NotebookError                         a notebook that cannot be read or filled in
@@ -60,6 +61,10 @@ class DegenerateFaceError(GeometryError):
 
 class FlipError(GeometryError):
     """An edge that must not be flipped."""
+
+
+class SingularSystemError(GeometryError):
+    """A linear system that does not have exactly one solution, mostly because nothing is fixed."""
 
 
 class OffFormatError(GeometryError):

@@ -161,7 +161,8 @@ def test_every_test_file_is_named_after_what_it_tests():
     assert stems("tests/exercises") <= stems("gpcourse/exercises")
 
 
-def test_notebooks_are_numbered_without_gaps():
+def test_notebooks_have_the_numbers_of_their_chapters_each_its_own():
+    """Chapters have the numbers of the notes, and are not finished in that order: there may be gaps."""
     names = sorted(path.stem for path in (ROOT / "notebooks").glob("*.ipynb"))
     numbers = [re.match(r"(\d+)_[a-z]\w*$", name)[1] for name in names]
-    assert sorted(map(int, numbers)) == list(range(len(names)))
+    assert len(set(map(int, numbers))) == len(names)

@@ -59,12 +59,17 @@ class Question:
 
 @dataclass
 class Asked:
-    """The callable that a check sees. Calling it returns the student's value, or raises `NoAnswer`."""
+    """The callable that a check sees. Calling it returns the student's value, or raises `NoAnswer`.
+
+    A check that asks several questions before it judges sets `about` to the number of the one that it
+    looks at; otherwise the last question is the one that went wrong.
+    """
 
     exercise: Exercise
     ask: Ask
     limit: float
     questions: list[Question] = field(default_factory=list)
+    about: int = -1
 
     def __call__(self, *arguments: Any) -> Any:
         answer = self.answer(*arguments)
@@ -88,8 +93,8 @@ class CheckResult:
     """How one check went.
 
     `wrong` is set when the outcome is ``failed``, `trouble` when student code did not return, `fault`
-    (our traceback) when the check itself broke. `questions` are those of this check, the last one is
-    the one that went wrong.
+    (our traceback) when the check itself broke. `questions` are those of this check, and the one with
+    the number `about` is the one that went wrong.
     """
 
     check: Check
@@ -99,6 +104,12 @@ class CheckResult:
     fault: str = ""
     mistake: Mistake | None = None
     questions: tuple[Question, ...] = ()
+    about: int = -1
+
+    @property
+    def question(self) -> Question | None:
+        """The question that went wrong."""
+        return self.questions[self.about] if self.questions else None
 
     @property
     def points(self) -> int:
@@ -173,7 +184,7 @@ def _run(check: Check, asked: Asked, seed: int) -> CheckResult:
     try:
         check.run(asked, np.random.default_rng([seed, key]))
     except Wrong as wrong:
-        return CheckResult(check, "failed", wrong=wrong, questions=tuple(asked.questions))
+        return CheckResult(check, "failed", wrong=wrong, questions=tuple(asked.questions), about=asked.about)
     except NoAnswer as no_answer:
         answer = no_answer.answer
         outcome: Outcome = "not attempted" if stub(asked.exercise, answer) else _OUTCOMES[answer.status]

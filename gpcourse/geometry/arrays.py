@@ -35,11 +35,14 @@ def as_points(value: object, name: str = "points", *, dimension: int | None = 3)
     ArrayError
         If the value is not numeric, not two-dimensional, of another d, or not finite.
     """
-    try:
-        points = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ArrayError(f"{name} cannot be read as numbers; give an (n, 3) float array") from None
     wanted = "d" if dimension is None else str(dimension)
+    try:
+        given = np.asarray(value)
+        if given.dtype.kind in "cSU":  # a cast would drop the imaginary part, or read a text as a number
+            raise TypeError
+        points = given.astype(np.float64, copy=False)
+    except (TypeError, ValueError, OverflowError):
+        raise ArrayError(f"{name} cannot be read as numbers; give an (n, {wanted}) float array") from None
     if points.ndim != 2 or (dimension is not None and points.shape[1] != dimension):
         raise ArrayError(f"{name} has shape {points.shape}; give an (n, {wanted}) array")
     finite = np.isfinite(points).all(axis=1)
@@ -61,7 +64,10 @@ def as_triangles(value: object, n_vertices: int, name: str = "faces") -> IntArra
     DegenerateFaceError
         If a face names a vertex twice.
     """
-    faces = np.asarray(value)
+    try:
+        faces = np.asarray(value)
+    except ValueError:
+        raise ArrayError(f"{name} mixes lengths; give an (m, 3) array of triangles") from None
     if faces.ndim != 2 or faces.shape[1] != 3:
         raise ArrayError(f"{name} has shape {faces.shape}; give an (m, 3) array of triangles")
     corners, sizes = flatten_polygons(faces, n_vertices, name)

@@ -117,10 +117,13 @@ class HalfedgeMesh:
         _require(self.twin != h, "half-edge {} is its own twin")
         _require(self.twin[self.twin] == h, "half-edge {}: the twin of its twin is another half-edge")
         _require(self.prev[self.next] == h, "half-edge {}: prev of its next is another half-edge")
-        _require(self.next[self.prev] == h, "half-edge {}: next of its prev is another half-edge")
         _require(
             self.origin[self.next] == self.origin[self.twin],
             "half-edge {}: its next does not start where its twin starts",
+        )
+        _require(
+            (self.face != HOLE) | (self.face[self.twin] != HOLE),
+            "half-edge {} and its twin both run along a hole: no face has this edge",
         )
         _require(self.face[self.next] == self.face, "half-edge {}: its next belongs to another face")
         _require(
@@ -191,7 +194,10 @@ def orbit_labels(permutation: IntArray) -> IntArray:
 
 
 def _index_array(value: object, name: str) -> IntArray:
-    record = np.asarray(value)
+    try:
+        record = np.asarray(value)
+    except ValueError:
+        raise ArrayError(f"{name} mixes lengths; give a list of indices") from None
     if record.ndim != 1 or not (np.issubdtype(record.dtype, np.integer) or record.size == 0):
         raise ArrayError(f"{name} has shape {record.shape} and type {record.dtype}; give a list of indices")
     return record.astype(np.int64, copy=False)

@@ -13,8 +13,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from gpcourse.exercises import feedback
 from gpcourse.exercises.exercise import Exercise
-from gpcourse.grading import panels as feedback
 from gpcourse.grading.judge import Judged, Report
 
 

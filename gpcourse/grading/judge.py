@@ -122,7 +122,7 @@ class _Room:
 
     def _near(self, name: str) -> tuple[str, ...]:
         others = set(self.survey.names) - self.asked
-        near = difflib.get_close_matches(name, sorted(others), n=1, cutoff=0.8)
+        near = difflib.get_close_matches(name, sorted(others), n=1, cutoff=0.7)
         return (f"is {near[0]} meant to be {name}? Only {name} counts",) if near else ()
 
     def notes(self) -> list[str]:

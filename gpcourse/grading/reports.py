@@ -10,11 +10,11 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from gpcourse.exercises import feedback
 from gpcourse.exercises.course import Chapter
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Outcome
 from gpcourse.grading import gradebook
-from gpcourse.grading import panels as feedback
 from gpcourse.grading.judge import Judged, Report
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def student_page(report: Report, chapters: Sequence[Chapter], seed: int) -> str:
         {
             "cell": _cell(judged),
             "name": judged.verdict.exercise.name,
-            "summary": judged.verdict.exercise.summary,
+            "summary": judged.verdict.exercise.summary.replace("`", ""),
             "outcome": judged.verdict.outcome,
             # as_html escapes what comes from a student
             "html": Markup(feedback.as_html(judged.verdict)) if judged.verdict.results else "",

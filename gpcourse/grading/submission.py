@@ -26,7 +26,7 @@ _DEFINITION = re.compile(r"^(?:async\s+)?def\s+(\w{1,100})\s*\(|^(\w{1,100})\s*=
 
 @dataclass(frozen=True)
 class Notebook:
-    """The code cells of one file, each with its number (from 1), and what is to be said of them.
+    """The code cells of one file, each with its number among all cells, and what is to be said of them.
 
     `readable` is False when nothing could be read; the notes say why.
     """
@@ -192,13 +192,13 @@ def _source(cell: dict[str, Any]) -> str:
 
 
 def _code(cells: list[dict[str, Any]]) -> Iterator[tuple[int, str]]:
-    code = (cell for cell in cells if cell.get("cell_type") == "code")
-    return ((i, _source(cell)) for i, cell in enumerate(code, start=1))
+    numbered = enumerate(cells, start=1)
+    return ((i, _source(cell)) for i, cell in numbered if cell.get("cell_type") == "code")
 
 
 def _misplaced(cells: list[dict[str, Any]]) -> Iterator[str]:
     """Say where a function stands in a cell that is not code."""
-    for cell in cells:
+    for i, cell in enumerate(cells, start=1):
         found = re.match(r"def\s+(\w{1,100})\s*\(", _source(cell))
         if found and cell.get("cell_type") != "code":
-            yield f"{found[1]} stands in a cell that is not a code cell"
+            yield f"{found[1]} stands in cell {i}, which is not a code cell"

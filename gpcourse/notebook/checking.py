@@ -40,9 +40,9 @@ class Panel:
     @property
     def arguments(self) -> tuple[Any, ...]:
         problem = self.verdict.first_problem
-        if problem is None or not problem.questions:
+        if problem is None or problem.question is None:
             return ()
-        return copy.deepcopy(problem.questions[-1].arguments)
+        return copy.deepcopy(problem.question.arguments)
 
     def _repr_html_(self) -> str:
         return as_html(self.verdict, rerun=True)

@@ -184,15 +184,17 @@ def _top_level(tree: ast.Module) -> Iterator[ast.stmt]:
             yield node
 
 
+def imports_of(node: ast.Import | ast.ImportFrom) -> Iterator[Import]:
+    """Yield what a statement imports; nothing for ``from __future__``."""
+    module = node.module or "" if isinstance(node, ast.ImportFrom) else ""
+    for alias in node.names if module != "__future__" else []:
+        name = alias.asname or alias.name
+        yield Import(module, alias.name, name) if module else Import(alias.name, "", name)
+
+
 def _bindings(node: ast.stmt) -> Iterator[tuple[str, ast.stmt | Import]]:
-    if isinstance(node, ast.Import):
-        for alias in node.names:
-            name = alias.asname or alias.name
-            yield name, Import(alias.name, "", name)
-    elif isinstance(node, ast.ImportFrom) and node.module != "__future__":
-        for alias in node.names:
-            name = alias.asname or alias.name
-            yield name, Import(node.module or "", alias.name, name)
+    if isinstance(node, (ast.Import, ast.ImportFrom)):
+        yield from ((each.alias, each) for each in imports_of(node))
     elif isinstance(node, (ast.FunctionDef, ast.ClassDef)):
         yield node.name, node
     elif isinstance(node, (ast.Assign, ast.AnnAssign)):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from gpcourse.exercises.course import by_name
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.feedback.panel import template
 from gpcourse.notebook.asked import exercise_of
@@ -72,7 +73,8 @@ def solution(function: Callable[..., Any] | str) -> Message:
         return Message(f"Sure? {_offer(exercise)}", f"`solution({name})` once more shows our solution.")
     from gpcourse.notebook.closure import closure
 
-    code = "\n\n".join(part.source for part in reversed(closure(exercise.reference).definitions))
+    parts = closure(exercise.reference, given=frozenset(by_name())).definitions
+    code = "\n\n\n".join(part.source for part in reversed(parts))
     return Message(f"Our solution of {name}.", "Yours may well be different, and just as right.", code)
 
 

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from typing import Any
 
+from gpcourse.errors import NotebookError
 from gpcourse.exercises.exercise import Exercise
-from gpcourse.notebook.closure import Import, closure
+from gpcourse.notebook.closure import Import, closure, imports_of
 from gpcourse.notebook.document import Document, code_cells, imports_in, source_of
 from gpcourse.notebook.stubs import exercises_in, replaced
 
@@ -59,11 +61,8 @@ def _imported_before(document: Document, number: int) -> set[Import]:
     found: set[Import] = set()
     for i, cell in code_cells(document):
         if i < number and "import" in source_of(cell):
-            for node in imports_in(cell, i):
-                module = getattr(node, "module", None)
-                for alias in node.names:
-                    name = alias.asname or alias.name
-                    found.add(Import(module, alias.name, name) if module else Import(alias.name, "", name))
+            with suppress(NotebookError):  # a cell that cannot be read imports nothing
+                found.update(each for node in imports_in(cell, i) for each in imports_of(node))
     return found
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from copy import deepcopy
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from gpcourse.errors import NotebookError
 from gpcourse.exercises.course import by_name
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.notebook.document import (
+    Cell,
     Document,
     code_cells,
     first_line,
@@ -44,14 +45,27 @@ def stub_source(exercise: Exercise) -> str:
 
 
 def exercises_in(document: Document) -> list[Exercise]:
-    """Return the exercises that a notebook defines, in its order; one that is defined twice comes twice."""
+    """Return the exercises that a notebook defines, in its order; one that is defined twice comes twice.
+
+    Raises
+    ------
+    NotebookError
+        If a cell that may define an exercise cannot be parsed.
+    """
     known = by_name()
-    return [known[name][1] for _, cell in code_cells(document) for name in _names(cell) if name in known]
+    return [
+        known[name][1]
+        for number, cell in code_cells(document)
+        if _may_define(cell)
+        for name in functions_in(cell, number)
+        if name in known
+    ]
 
 
-def _names(cell: Mapping[str, object]) -> list[str]:
-    source = source_of(dict(cell))
-    return [] if "def " not in source else list(functions_in(dict(cell), 0))
+def _may_define(cell: Cell) -> bool:
+    """Tell whether a cell holds the beginning of an exercise; the others need not be readable."""
+    source = source_of(cell)
+    return "def " in source and any(f"def {name}" in source for name in by_name())
 
 
 def replaced(document: Document, make: Callable[[Exercise, int], str | None]) -> Document:
@@ -67,7 +81,7 @@ def replaced(document: Document, make: Callable[[Exercise, int], str | None]) ->
     """
     known, result = by_name(), deepcopy(document)
     for number, cell in code_cells(result):
-        if not any(f"def {name}" in source_of(cell) for name in known):
+        if not _may_define(cell):
             continue
         functions = sorted(functions_in(cell, number).items(), key=lambda item: -item[1].lineno)
         for name, node in functions:

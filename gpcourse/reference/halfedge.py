@@ -79,75 +79,66 @@ def build_halfedges(faces: Polygons, n_vertices: int) -> HalfedgeMesh:
     Notes ch. 1, *Half-edge Data Structure*; PMP ch. 2.
     """
     corners, sizes = flatten_polygons(faces, n_vertices)
-    n_vertices = int(n_vertices)
-    next_, prev = _around_faces(sizes)
-    face = np.repeat(np.arange(len(sizes)), sizes)
-    twin = _match_twins(corners, corners[next_], face, n_vertices)
+    n_vertices, n_corners = int(n_vertices), len(corners)
+    last = np.cumsum(sizes) - 1
+    first = last - sizes + 1
+    head = np.roll(corners, -1)
+    head[last] = corners[first]
+    forward, backward = _match_twins(corners, head, last, n_vertices)
 
     # Where no twin was found there is a hole: its half-edges run the other way along the border.
-    border = np.flatnonzero(twin == NONE)
-    hole = len(corners) + np.arange(len(border))
-    twin[border] = hole
-    starts, ends = corners[next_[border]], corners[border]
-    leaving = np.full(n_vertices, NONE)
-    leaving[starts] = hole
-    _refuse_touching_sheets(starts[leaving[starts] != hole])
-    next_hole = leaving[ends]
-    prev_hole = np.empty_like(hole)
-    prev_hole[next_hole - len(corners)] = hole
+    n_border = n_corners - 2 * len(forward)
+    twin = np.full(n_corners + n_border, NONE)
+    twin[forward], twin[backward] = backward, forward
+    border = np.flatnonzero(twin[:n_corners] == NONE)
+    hole = n_corners + np.arange(n_border)
+    twin[border], twin[hole] = hole, border
+    origin = np.concatenate([corners, head[border]])
 
-    origin = np.concatenate([corners, starts])
+    # Along a face each half-edge is followed by the one after it in the list, but for the last;
+    # along a hole by the hole's half-edge that leaves where it ends.
+    next_ = np.arange(1, len(twin) + 1)
+    prev = np.arange(-1, len(twin) - 1)
+    next_[last], prev[first] = first, last
     vertex_halfedge = np.full(n_vertices, NONE)
-    vertex_halfedge[origin] = np.arange(len(origin))
+    vertex_halfedge[head] = next_[:n_corners]
+    vertex_halfedge[origin[hole]] = hole
+    _refuse_touching_sheets(origin[hole[vertex_halfedge[origin[hole]] != hole]])
+    next_[hole] = vertex_halfedge[corners[border]]
+    prev[next_[hole]] = hole
+
     mesh = HalfedgeMesh(
-        twin=_joined(twin, border),
-        next=_joined(next_, next_hole),
-        prev=_joined(prev, prev_hole),
+        twin=twin,
+        next=next_,
+        prev=prev,
         origin=origin,
-        face=_joined(face, np.full(len(border), HOLE)),
+        face=np.repeat(np.append(np.arange(len(sizes)), HOLE), np.append(sizes, n_border)),
         vertex_halfedge=vertex_halfedge,
-        face_halfedge=np.cumsum(sizes) - sizes,
+        face_halfedge=first,
     )
     _check_fans(mesh)
     return mesh
 
 
-def _joined(inside: IntArray, along_holes: IntArray) -> IntArray:
-    """Append the records along holes; a closed mesh has none, and is spared the copy."""
-    return np.concatenate([inside, along_holes]) if len(along_holes) else inside
-
-
-def _around_faces(sizes: IntArray) -> tuple[IntArray, IntArray]:
-    """Link the corners of each face into a cycle."""
-    last = np.cumsum(sizes) - 1
-    first = last - sizes + 1
-    n_corners = int(sizes.sum())
-    next_, prev = np.arange(1, n_corners + 1), np.arange(-1, n_corners - 1)
-    next_[last], prev[first] = first, last
-    return next_, prev
-
-
-def _match_twins(tail: IntArray, head: IntArray, face: IntArray, n_vertices: int) -> IntArray:
-    """Pair the half-edges that join the same two vertices; -1 where there is no partner."""
-    direction, halfedge = _sort_by_edge(tail, head, n_vertices)
-    apart = direction[1:] ^ direction[:-1]
+def _match_twins(
+    tail: IntArray, head: IntArray, last: IntArray, n_vertices: int
+) -> tuple[IntArray, IntArray]:
+    """Pair the half-edges that run along one edge in opposite directions."""
+    apart, halfedge = _sort_by_edge(tail, head, n_vertices)
     repeated = np.flatnonzero(apart == 0)
     if len(repeated):
-        _refuse_repeated_edge(tail, head, face, int(halfedge[repeated[0]]))
-    # The two directions of an edge differ in the last bit only.
+        _refuse_repeated_edge(tail, head, last, int(halfedge[repeated[0]]))
     first = np.flatnonzero(apart == 1)
-    forward, backward = halfedge[first], halfedge[first + 1]
-    twin = np.full(len(tail), NONE)
-    twin[forward], twin[backward] = backward, forward
-    return twin
+    return halfedge[:-1][first], halfedge[1:][first]
 
 
 def _sort_by_edge(tail: IntArray, head: IntArray, n_vertices: int) -> tuple[IntArray, IntArray]:
     """Sort half-edges so that those along one edge are neighbours.
 
-    Returns a number for each direction of each edge, 2e and 2e + 1, and the half-edges in that order.
-    The four numbers (smaller vertex, larger vertex, direction, half-edge) are packed into one integer
-    wherever they fit, since sorting plain integers is several times faster than sorting indirectly.
+    Returns how far apart neighbours are (0: the same edge in the same direction, 1: in opposite
+    directions, more: another edge), and the half-edges in that order. Smaller vertex, larger vertex,
+    direction and half-edge are packed into one integer wherever they fit, since sorting plain integers
+    is several times faster than sorting indirectly.
     """
     vertex_bits, h_bits = n_vertices.bit_length(), len(tail).bit_length()
     if 2 * vertex_bits + 1 + h_bits <= 63:
@@ -159,17 +150,21 @@ def _sort_by_edge(tail: IntArray, head: IntArray, n_vertices: int) -> tuple[IntA
         packed <<= h_bits
         packed |= np.arange(len(tail))
         packed.sort()
-        return packed >> h_bits, packed & ((1 << h_bits) - 1)
+        apart = np.bitwise_xor(packed[1:], packed[:-1])
+        apart >>= h_bits
+        packed &= (1 << h_bits) - 1
+        return apart, packed
     edge = np.minimum(tail, head) * n_vertices + np.maximum(tail, head)
     direction = 2 * edge + (tail > head)
     order = np.argsort(direction, kind="stable")
-    return direction[order], order
+    direction = direction[order]
+    return np.bitwise_xor(direction[1:], direction[:-1]), order
 
 
-def _refuse_repeated_edge(tail: IntArray, head: IntArray, face: IntArray, h: int) -> NoReturn:
-    """Say which faces run along the edge of half-edge h, which another one follows in the same direction."""
+def _refuse_repeated_edge(tail: IntArray, head: IntArray, last: IntArray, h: int) -> NoReturn:
+    """Name the faces along the edge of half-edge h, where another one runs in the same direction."""
     along = ((tail == tail[h]) & (head == head[h])) | ((tail == head[h]) & (head == tail[h]))
-    faces = face[along].tolist()
+    faces = np.searchsorted(last, np.flatnonzero(along)).tolist()
     if len(faces) > 2:
         raise NonManifoldEdgeError(
             f"edge {tail[h]} – {head[h]} belongs to faces {', '.join(map(str, faces[:-1]))} and {faces[-1]}; "
@@ -190,17 +185,16 @@ def _refuse_touching_sheets(crowded: IntArray) -> None:
 
 def _check_fans(mesh: HalfedgeMesh) -> None:
     """Walk around all vertices at once; together the walks must meet every half-edge."""
-    around = mesh.twin[mesh.prev]
     start = h = mesh.vertex_halfedge[mesh.vertex_halfedge != NONE]
     met = 0
     while len(h):
         met += len(h)
-        h = around[h]
+        h = mesh.twin[mesh.prev[h]]
         on = h != start
         if not on.all():
             h, start = h[on], start[on]
     if met < mesh.n_halfedges:
-        orbits = orbit_labels(around)
+        orbits = orbit_labels(mesh.twin[mesh.prev])
         missed = orbits != orbits[mesh.vertex_halfedge[mesh.origin]]
         _refuse_touching_sheets(np.unique(mesh.origin[missed]))
 

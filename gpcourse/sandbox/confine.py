@@ -67,12 +67,14 @@ class Limits:
 def launch(package: Path, limits: Limits) -> Line:
     """Start a worker process that imports gpcourse from `package` (see `home.build`).
 
+    Its working folder is made beside `package`.
+
     Raises
     ------
     WorkerError
         If the process cannot be started.
     """
-    scratch = Path(tempfile.mkdtemp(prefix="gpcourse-scratch-"))
+    scratch = Path(tempfile.mkdtemp(prefix="scratch-", dir=package.parent))
     boot = _BOOT.format(home=str(package), course=str(home.PACKAGE.parent), limits=limits.resources)
     try:
         process = subprocess.Popen(
@@ -83,7 +85,7 @@ def launch(package: Path, limits: Limits) -> Line:
             stderr=subprocess.DEVNULL,
             bufsize=0,
             cwd=scratch,
-            env=environment(scratch),
+            env=environment(scratch, package),
             start_new_session=sys.platform != "win32",
         )
     except OSError as error:
@@ -92,7 +94,7 @@ def launch(package: Path, limits: Limits) -> Line:
     return Line(process, scratch)
 
 
-def environment(scratch: Path) -> dict[str, str]:
+def environment(scratch: Path, package: Path) -> dict[str, str]:
     """Return the environment of a worker: nothing of ours but what the numerics of this machine need."""
     fixed = {
         "HOME": str(scratch),
@@ -103,7 +105,7 @@ def environment(scratch: Path) -> dict[str, str]:
         "PYTHONUTF8": "1",
         "PYTHONHASHSEED": "0",
         "MPLBACKEND": "Agg",
-        "MPLCONFIGDIR": str(scratch),
+        "MPLCONFIGDIR": str(package / home.FONTS),
     }
     threads = {f"{name}_NUM_THREADS": "1" for name in _THREADS}
     return fixed | threads | {name: os.environ[name] for name in _KEPT if name in os.environ}

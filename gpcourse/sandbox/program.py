@@ -40,6 +40,9 @@ MUTATORS = {
 #: Cell magics whose body is Python. The body of any other one is not.
 PYTHON_MAGICS = ("time", "timeit", "capture", "prun", "python", "python3", "py3")
 
+#: More lines of IPython's own than this in one cell are not looked for.
+_MOST_MAGICS = 200
+
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda)
 _DEFINITION = re.compile(r"^(?:async\s+)?(?:def|class)\s+(\w+)|^(\w+)\s*=", re.MULTILINE)
 
@@ -121,36 +124,39 @@ class Program:
 
 def parse(source: str, name: str) -> ast.Module:
     """Parse the source of a cell; magics and shell lines are no part of it."""
+    lines = _without_cell_magic(source).split("\n")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # an invalid escape in a docstring
-        try:
-            return ast.parse(source, name)
-        except SyntaxError:
-            plain = without_magics(source)
-            if plain == source:
-                raise
-            return ast.parse(plain, name)
+        for _ in range(_MOST_MAGICS):
+            try:
+                return ast.parse("\n".join(lines), name)
+            except SyntaxError as error:
+                # Only where Python stumbles: a line may begin with % because the one before goes on.
+                at = (error.lineno or 0) - 1
+                plain = _plain_line(lines[at]) if 0 <= at < len(lines) else None
+                if plain is None:
+                    raise
+                lines[at] = plain
+    return ast.parse("\n".join(lines), name)
 
 
-def without_magics(source: str) -> str:
-    """Replace IPython's own lines by lines of Python that do nothing; the line numbers stay."""
-    lines = source.split("\n")
-    first = next((i for i, line in enumerate(lines) if line.strip()), 0)
-    if lines[first].startswith("%%"):
-        magic = lines[first][2:].split(maxsplit=1)
-        if not magic or magic[0] not in PYTHON_MAGICS:
-            return ""
-        lines[first] = ""
-    return "\n".join(map(_plain_line, lines))
+def _without_cell_magic(source: str) -> str:
+    """Leave out the first line ``%%time`` of a cell, or all of a cell that is in another language."""
+    head, _, rest = source.lstrip("\n").partition("\n")
+    if not head.startswith("%%"):
+        return source
+    blank = "\n" * (len(source) - len(source.lstrip("\n")) + 1)
+    return blank + rest if head[2:].split(maxsplit=1)[:1] in ([m] for m in PYTHON_MAGICS) else ""
 
 
-def _plain_line(line: str) -> str:
+def _plain_line(line: str) -> str | None:
+    """Return Python that does nothing in place of a line of IPython's own, or None for any other line."""
     body = line.lstrip()
     indent = line[: len(line) - len(body)]
     if body.startswith(("%", "!", "?")) or re.fullmatch(r"[\w.]+\s*\?{1,2}\s*", body):
         return f"{indent}pass"
     shell = re.match(r"([\w, ]+)=\s*[%!]\s*[\w.]", body)
-    return f"{indent}{shell[1]}= None" if shell else line
+    return f"{indent}{shell[1]}= None" if shell else None
 
 
 def _analyse(number: int, node: ast.stmt) -> Statement:

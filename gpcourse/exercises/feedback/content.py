@@ -110,7 +110,9 @@ def _headline(verdict: Verdict) -> str:
         return "Right: the check passes." if total == 1 else f"Right: all {total} checks pass."
     if not total:
         return sentence(
-            _HAPPENED.get(verdict.outcome, verdict.outcome).format(limit=verdict.exercise.time_limit)
+            _HAPPENED.get(verdict.outcome, "Your code could not be run.").format(
+                limit=verdict.exercise.time_limit
+            )
         )
     if all(r.outcome in ("passed", "grader fault") for r in verdict.results):
         return f"{passed} of {total} checks pass; the rest could not be decided, by our fault."
@@ -154,9 +156,9 @@ def _facts(verdict: Verdict, result: CheckResult) -> tuple[tuple[tuple[str, str]
         wrong = result.wrong
         facts = [("yours", wrong.yours), ("true", wrong.truth), ("input", wrong.on)]
         facts = [(label, clean(value, 400)) for label, value in facts if value]
-    if result.questions:
+    if result.question is not None:
         parameters = list(verdict.exercise.signature.parameters)
-        call, legend = written_call(verdict.exercise.name, parameters, result.questions[-1].arguments)
+        call, legend = written_call(verdict.exercise.name, parameters, result.question.arguments)
         facts.append(("call", clean(call, 600)))
     return tuple(facts), tuple(clean(line, 200) for line in legend)
 

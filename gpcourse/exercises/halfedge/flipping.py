@@ -45,7 +45,7 @@ def _ends(mesh: HalfedgeMesh, h: int) -> tuple[int, int]:
 
 def _expect_flippable(f: Asked, mesh: HalfedgeMesh, h: int, want: bool, why: str) -> None:
     p, q = _ends(mesh, h)
-    on = f"half-edge {h} ({p} → {q}) of {mesh!r}"
+    on = f"half-edge {h} ({p} → {q})"
     mine = expect.boolean(f(mesh, h), on=on)
 
     draw = pictures.of_halfedges(mesh, [h, mesh.twin[h]])
@@ -267,7 +267,7 @@ def _legal(mesh: HalfedgeMesh, rng: Rng) -> list[int]:
 def _expect_flip(f: Asked, mesh: HalfedgeMesh, h: int) -> HalfedgeMesh:
     """Expect a valid mesh in which only this edge has turned."""
     p, q, r, s = _four(mesh, h)
-    on = f"half-edge {h} ({p} → {q}) of {mesh!r}; the new edge joins {r} and {s}"
+    on = f"half-edge {h} ({p} → {q}); the new edge should join {r} and {s}"
     value = f(mesh, h)
     expect.that(value is not None, "The result is None: is a `return` missing?", on=on)
     is_mesh = isinstance(value, HalfedgeMesh)
@@ -295,9 +295,10 @@ def _expect_flip(f: Asked, mesh: HalfedgeMesh, h: int) -> HalfedgeMesh:
 
 @FLIP_EDGE.check("one flip turns one edge and leaves the rest")
 def _(f: Asked, rng: Rng) -> None:
-    for shape in (closed_triangles(rng), bounded_triangles(rng)):
+    # The flat disc comes first: on it a picture of what went wrong is easy to read.
+    for shape in (shapes.shuffled(shapes.disc(2), rng), closed_triangles(rng), bounded_triangles(rng)):
         mesh = mesh_of(shape, rng)
-        for h in _legal(mesh, rng)[:3]:
+        for h in _legal(mesh, rng)[:2]:
             _expect_flip(f, mesh, h)
 
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from gpcourse.exercises.halfedge.inputs import positions
 from gpcourse.geometry.arrays import FloatArray
 from gpcourse.geometry.halfedge_mesh import HalfedgeMesh
 from gpcourse.view import halfedge_scene, neighbours_scene
-from gpcourse.view.scene import Scene, side_by_side
+from gpcourse.view.scene import Camera, Scene, side_by_side
 
 Draw = Callable[[], Scene]
 
@@ -40,14 +42,27 @@ def of_neighbours(mesh: HalfedgeMesh, v: int, order: Sequence[int]) -> Draw:
 
 
 def of_flip(before: HalfedgeMesh, after: HalfedgeMesh, h: int) -> Draw:
-    """Show an edge before and after its flip."""
+    """Show an edge before and after its flip, both seen from above the edge."""
 
     def draw() -> Scene:
+        camera = _above(before, h)
         edge = [h, int(before.twin[h])]
-        then = halfedge_scene(before, highlight=edge, title="before")
-        if after.n_vertices != before.n_vertices or after.n_halfedges != before.n_halfedges:
-            return then
-        placed = after if after.vertices is not None else after.with_vertices(before.vertices)
-        return side_by_side([then, halfedge_scene(placed, highlight=edge, title="after")])
+        scenes = [halfedge_scene(before, highlight=edge, title="before", direction=camera.direction)]
+        if (after.n_vertices, after.n_halfedges) == (before.n_vertices, before.n_halfedges):
+            placed = after.with_vertices(before.vertices)
+            scenes.append(halfedge_scene(placed, highlight=edge, title="after", direction=camera.direction))
+        near = [replace(scene, panels=(replace(scene.panels[0], camera=camera),)) for scene in scenes]
+        return side_by_side(near)
 
     return draw
+
+
+def _above(mesh: HalfedgeMesh, h: int) -> Camera:
+    """Look along the mean normal of the two triangles at an edge, at their four corners."""
+    x, t = positions(mesh), mesh.twin[h]
+    p, q, r, s = x[mesh.origin[[h, t, mesh.prev[h], mesh.prev[t]]]]
+    normal = np.cross(q - p, r - p) + np.cross(p - q, s - q)
+    middle = (p + q + r + s) / 4
+    radius = 1.25 * max(float(np.linalg.norm(corner - middle)) for corner in (p, q, r, s))
+    up = np.cross(normal, q - p)  # the edge lies level before the flip
+    return Camera(direction=tuple(normal), up=tuple(up), focus=tuple(middle), radius=radius)

@@ -46,7 +46,7 @@ FACE_VERTICES = Exercise(
 
 
 def _expect_face(f: Asked, mesh: HalfedgeMesh, faces: FaceLists, i: int) -> None:
-    on = f"face {i} of {mesh!r}"
+    on = f"face {i}"
     mine = expect.indices(f(mesh, i), on=on)
     want = faces[i]
     details = {"yours": str(mine.tolist()), "on": on, "picture": pictures.of_face(mesh, i)}
@@ -62,10 +62,10 @@ def _expect_face(f: Asked, mesh: HalfedgeMesh, faces: FaceLists, i: int) -> None
 
 @FACE_VERTICES.check("triangles")
 def _(f: Asked, rng: Rng) -> None:
-    shape = closed_triangles(rng)
-    mesh = mesh_of(shape, rng)
-    for i in rng.choice(mesh.n_faces, 4, replace=False):
-        _expect_face(f, mesh, face_lists(shape), int(i))
+    for shape in (shapes.shuffled(shapes.disc(2), rng), closed_triangles(rng)):
+        mesh = mesh_of(shape, rng)
+        for i in rng.choice(mesh.n_faces, 3, replace=False):
+            _expect_face(f, mesh, face_lists(shape), int(i))
 
 
 @FACE_VERTICES.check("polygons of any size")
@@ -181,12 +181,13 @@ def _expect_neighbours(
 ) -> None:
     """Ask all questions before the first answer is judged: one answer alone fits several mistakes."""
     answers = [f(mesh, v) for mesh, v in questions]
-    for (mesh, v), answer in zip(questions, answers, strict=True):
+    for i, ((mesh, v), answer) in enumerate(zip(questions, answers, strict=True)):
+        f.about = i
         _judge_neighbours(answer, mesh, v, neighbours_ccw(faces, v)[::sense], sense)
 
 
 def _judge_neighbours(answer: Any, mesh: HalfedgeMesh, v: int, ring: list[int], sense: int) -> None:
-    on = f"vertex {v} of {mesh!r}"
+    on = f"vertex {v}"
     mine = expect.indices(answer, on=on)
     have, want = set(mine.tolist()), set(ring)
 

@@ -43,9 +43,7 @@ def irregular_patch(rng: Rng, n: int = 100, *, stretch: float = 1.0) -> Shape:
     return flat("irregular patch", vertices, faces, loops=(4 * k,), interior=free[:, 0] & free[:, 1])
 
 
-def random_closed(
-    rng: Rng, n_vertices: int = 60, *, genus: int | None = None, n_components: int = 1
-) -> Shape:
+def random_closed(rng: Rng, n_vertices: int = 60, *, genus: int | None = 0, n_components: int = 1) -> Shape:
     """Return a closed triangle mesh of random shape, size and place, numbered at random.
 
     It has vertices of valence 3, obtuse triangles, a size between about 0.01 and 100, and lies up to ten
@@ -56,7 +54,7 @@ def random_closed(
     n_vertices : int
         Number of vertices of a component, about; a surface with handles takes more if it needs them.
     genus : int or None
-        Number of handles of a component; None draws 0, 1 or 2 for each.
+        Number of handles of a component; None draws 0, 1 or 2 for each one.
     n_components : int
         Number of pieces.
     """
@@ -79,7 +77,7 @@ def random_bounded(
     n_vertices: int = 60,
     *,
     loops: int | None = None,
-    genus: int | None = None,
+    genus: int | None = 0,
     n_components: int = 1,
 ) -> Shape:
     """Return a mesh like `random_closed` with holes cut into it, no two of which share a vertex.
@@ -168,7 +166,13 @@ def _smooth_base(draw: np.random.Generator, n: int, genus: int) -> tuple[FloatAr
 def _random_sphere(draw: np.random.Generator, n: int) -> tuple[FloatArray, IntArray]:
     from scipy.spatial import ConvexHull
 
-    points = draw.normal(size=(n, 3))
+    # A spiral with equal steps in height covers the sphere evenly; shaken by a part of the spacing, no two
+    # points come so close that slivers arise.
+    height = 1 - (2 * np.arange(n) + 1) / n
+    turn = np.pi * (3 - np.sqrt(5)) * np.arange(n)
+    radius = np.sqrt(1 - height**2)
+    points = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), height])
+    points += draw.uniform(-1, 1, size=(n, 3)) / np.sqrt(n)
     points /= np.linalg.norm(points, axis=1, keepdims=True)
     hull = ConvexHull(points)
     faces = hull.simplices.astype(np.int64)

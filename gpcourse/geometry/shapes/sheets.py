@@ -39,7 +39,7 @@ def annulus(n: int = 24, rows: int = 4, *, inner: float = 0.5, outer: float = 1.
     if inner >= outer:
         raise GeometryError(f"inner is {inner} and outer is {outer}; inner must be the smaller one")
     row, column = np.divmod(np.arange(n * (rows + 1)), n)
-    angle = 2 * np.pi / n * (column - 0.5 * row)
+    angle = 2 * np.pi / n * (column + 0.5 * row)
     distance = inner + (outer - inner) * row / rows
     vertices = np.column_stack([distance * np.cos(angle), distance * np.sin(angle), np.zeros(len(row))])
     i, j = grid_quads(n, rows)

@@ -1,0 +1,112 @@
+"""What is run of a notebook: what a function needs, in its order, and nothing else."""
+
+import pytest
+
+from gpcourse.sandbox.program import Program, parse
+
+
+def run(name, *cells):
+    """Run what `name` needs and return the namespace, as the worker does."""
+    program = Program(enumerate(cells, start=1))
+    namespace = {}
+    for statement in program.needed(name):
+        exec(statement.compile(program.flags), namespace)
+    return namespace
+
+
+def test_demonstrations_are_not_run():
+    namespace = run(
+        "f", "def f():\n    return 1", "1 / 0", "mesh = 1 / 0", "import not_installed", "while True: pass"
+    )
+    assert namespace["f"]() == 1
+
+
+def test_what_a_function_reads_is_run_in_turn():
+    namespace = run(
+        "f",
+        "import math as m\nSCALE = 2\nUNUSED = 1 / 0",
+        "class Box:\n    size = SCALE",
+        "def helper():\n    return Box.size * m.pi",
+        "def f(k=SCALE):\n    return [helper() for _ in range(k)]",
+    )
+    assert namespace["f"]() == pytest.approx([6.2831853, 6.2831853])
+
+
+def test_a_local_name_is_not_a_global_one():
+    assert run("f", "mesh = 1 / 0", "def f(mesh):\n    return mesh")["f"](3) == 3
+
+
+def test_the_last_definition_counts_and_the_order_is_kept():
+    assert run("f", "def f(): return 1", "old = f\ndef f(): return old() + 1", "x = f()")["f"]() == 2
+
+
+@pytest.mark.parametrize(
+    "change",
+    ["T.append(2)", "T[0] = 2", "T += [2]", "for i in range(3):\n    T.append(i)", "T[1:] = [2]"],
+)
+def test_a_table_that_is_filled_step_by_step(change):
+    assert 2 in run("f", "T = [1]", change, "T.sort(key=str)", "def f(): return T")["f"]()
+
+
+def test_alternatives_and_fallbacks_are_bindings_too():
+    namespace = run(
+        "f", "try:\n    import not_there as q\nexcept ImportError:\n    q = 5", "def f(): return q"
+    )
+    assert namespace["f"]() == 5
+
+
+def test_a_star_import_is_always_run():
+    assert run("f", "from math import *", "def f(): return floor(pi)")["f"]() == 3
+
+
+def test_future_imports_hold_for_later_cells():
+    assert run("f", "from __future__ import annotations", "def f(x: Unknown): return x")["f"](1) == 1
+
+
+def test_a_syntax_error_costs_its_own_cell_only():
+    program = Program([(1, "def f(): return 1"), (4, "def g(:\n    return 2\n\ndef h(): pass"), (5, "x = 3")])
+    assert sorted(program.binders) == ["f", "x"]
+    assert program.loss("g").place == "cell 4"
+    assert program.loss("h").types[0] == "SyntaxError"
+    assert program.loss("f") is None
+
+
+@pytest.mark.parametrize("source", ["\0", "(" * 500 + ")" * 500, "x" + " + x" * 20_000, "-" * 20_000 + "1"])
+def test_source_that_breaks_the_parser_costs_its_own_cell_only(source):
+    assert "f" in Program([(1, source), (2, "def f(): pass")]).binders
+
+
+def test_magics_and_shell_lines_do_nothing_and_keep_the_lines():
+    source = "%matplotlib inline\n!ls\nfiles = !ls\nnp.array?\nif True:\n    %time x\ny = 7 \\\n % 4"
+    program = Program([(1, source + "\ndef f():\n    return y")])
+    assert not program.broken
+    assert [s.node.lineno for s in program.needed("f")] == [7, 9]
+
+
+@pytest.mark.parametrize("magic", ["%%bash", "%%html", "%%writefile f.py"])
+def test_a_cell_of_another_language_is_empty(magic):
+    assert parse(f"{magic}\ndef f(: 1", "<cell 1>").body == []
+
+
+def test_a_timed_cell_still_counts():
+    assert "f" in Program([(1, "%%time\ndef f(): pass")]).binders
+
+
+@pytest.mark.parametrize(
+    ("body", "stub"),
+    [
+        ("raise NotImplementedError", True),
+        ("raise NotImplementedError('to do')", True),
+        ("'''Text.'''\n    pass", True),
+        ("...", True),
+        ("return None", False),
+        ("raise ValueError", False),
+        ("x = 1\n    raise NotImplementedError", False),
+    ],
+)
+def test_a_stub_is_a_function_that_does_nothing(body, stub):
+    assert Program([(1, f"def f(x):\n    {body}")]).is_stub("f") is stub
+
+
+def test_a_stub_that_was_filled_in_below_is_none():
+    assert not Program([(1, "def f(): pass"), (2, "def f(): return 1")]).is_stub("f")

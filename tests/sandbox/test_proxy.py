@@ -1,0 +1,257 @@
+"""A notebook's functions in another process: they answer, whatever they do, and find nothing of ours."""
+
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from gpcourse.errors import WireError
+from gpcourse.geometry.halfedge_mesh import HalfedgeMesh
+from gpcourse.sandbox import home
+from gpcourse.sandbox.confine import Limits
+from gpcourse.sandbox.proxy import Worker, answer_from
+
+posix = pytest.mark.skipif(sys.platform == "win32", reason="signals and limits are those of POSIX")
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory):
+    return home.build(tmp_path_factory.mktemp("run") / "home")
+
+
+@pytest.fixture
+def worker(package):
+    def make(*cells, **limits):
+        workers.append(Worker(list(enumerate(cells, start=1)), package, Limits(**limits)))
+        return workers[-1]
+
+    workers = []
+    yield make
+    for each in workers:
+        each.close()
+
+
+def ask(worker, name, *arguments, limit=1.0):
+    return worker.ask(name, arguments, limit)
+
+
+def test_arrays_and_meshes_go_there_and_back(worker):
+    mesh = HalfedgeMesh([1, 0], [0, 1], [0, 1], [0, 1], [0, -1], [0, 1], [0], vertices=np.eye(3)[:2])
+    w = worker(
+        "import numpy as np\ndef f(x, k): return np.asarray(x) * k\ndef g(mesh): return mesh.twin, mesh"
+    )
+    assert ask(w, "f", [1.5, 2.5], 2).value.tolist() == [3, 5]
+    twin, back = ask(w, "g", mesh).value
+    assert twin.tolist() == [1, 0]
+    assert np.array_equal(back.vertices, mesh.vertices)
+
+
+def test_prints_warnings_and_input_disturb_nothing(worker):
+    w = worker(
+        "import os, sys, warnings\n"
+        "def f():\n"
+        "    print('gpc1' * 10_000); sys.stderr.write('x' * 100_000)\n"
+        "    os.write(1, b'gpc1'); warnings.warn('w')\n"
+        "    try:\n        input()\n    except EOFError:\n        return 'no input'\n"
+    )
+    assert ask(w, "f").value == "no input"
+
+
+def test_changed_inputs_are_named(worker):
+    assert ask(worker("def f(x, y):\n    y.sort()"), "f", [1], [2, 1]).changed == ("y",)
+
+
+def test_an_exception_comes_with_the_line_of_the_student(worker):
+    answer = ask(worker("x = 1", "def f(n):\n    rows = []\n    return rows[n]"), "f", 3)
+    assert answer.status == "raised"
+    trouble = answer.trouble
+    assert (trouble.types[0], trouble.place, trouble.line, trouble.source, trouble.function) == (
+        "IndexError", "cell 2", 3, "return rows[n]", "f",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("body", "status"),
+    [
+        ("while True: pass", "timeout"),
+        ("while 1:\n        try:\n            while 1: pass\n        except BaseException: pass", "timeout"),
+        ("import os; os._exit(0)", "crashed"),
+        pytest.param("import os; os.kill(os.getpid(), 9)", "crashed", marks=posix),
+        pytest.param("import ctypes; ctypes.string_at(0)", "crashed", marks=posix),
+        ("import os; os.closerange(3, 100)", "crashed"),
+        ("import sys; sys.exit()", "raised"),
+        ("raise KeyboardInterrupt", "raised"),
+        ("return f()", "raised"),
+        ("return range(10**12)", "raised"),
+        ("class Endless(list):\n        def __len__(self): return 2\n        def __iter__(self):\n"
+         "            while True: pass\n    return Endless()", "timeout"),
+        pytest.param("return bytearray(10**11)", "out of memory", marks=posix),
+    ],
+)  # fmt: skip
+def test_whatever_a_function_does_the_next_question_is_answered(worker, body, status):
+    w = worker(f"def f():\n    {body}\ndef g(): return 7")
+    assert ask(w, "f", limit=0.2).status == status
+    assert ask(w, "g").value == 7
+
+
+@posix
+def test_code_that_never_comes_back_to_python_is_killed(worker):
+    w = worker("def f(): return sum(range(10**11))")
+    start = time.monotonic()
+    assert ask(w, "f", limit=0.1).status == "timeout"
+    assert time.monotonic() - start < 10
+
+
+@posix
+def test_a_crash_names_its_line_and_signal(worker):
+    trouble = ask(worker("x = 1", "import ctypes\n\ndef f():\n    return ctypes.string_at(0)"), "f").trouble
+    assert "SIGSEGV" in trouble.message
+    assert (trouble.place, trouble.line, trouble.source) == ("cell 2", 4, "return ctypes.string_at(0)")
+
+
+def test_a_process_that_left_somebody_behind_with_its_pipes_is_not_waited_for(worker):
+    if sys.platform == "win32":
+        pytest.skip("there is no fork")
+    w = worker(
+        "import os, time\n"
+        "def f():\n"
+        "    if os.fork() == 0:\n        os.setsid(); time.sleep(6); os._exit(0)\n"
+        "    os._exit(1)\n"
+    )
+    assert ask(w, "f", limit=0.1).status == "crashed"
+
+
+def test_solutions_checks_and_environment_are_out_of_reach(worker, monkeypatch):
+    monkeypatch.setenv("SECRET", "1")
+    w = worker(
+        "import importlib, os, sys\n"
+        "from gpcourse.reference import halfedge as reference\n"
+        "def has(name):\n"
+        "    try:\n        importlib.import_module(name)\n    except ImportError:\n        return False\n"
+        "    return True\n"
+        "def cheat(mesh): return reference.genus(mesh)\n"
+        "def environment(): return [k for k in os.environ if 'SECRET' in k or 'PYTEST' in k], sys.argv\n"
+        "def loaded(): return sorted(m for m in sys.modules if m.startswith('gpcourse'))\n"
+    )
+    assert ask(w, "has", "gpcourse.geometry").value is True
+    for name in (
+        "gpcourse.exercises",
+        "gpcourse.grading",
+        "gpcourse.sandbox.confine",
+        "gpcourse.exercises.halfedge",
+    ):
+        assert ask(w, "has", name).value is False
+    trouble = ask(w, "cheat", 1).trouble
+    assert trouble.types[0] == "ReferenceIsAbsent"
+    assert "reference.genus is not there" in trouble.message
+    assert ask(w, "environment").value == ([], [""])
+    assert not any("exercises" in m or "grading" in m for m in ask(w, "loaded").value)
+
+
+def test_the_names_of_the_notebook_are_there_and_do_nothing(worker):
+    w = worker(
+        "from gpcourse import check, hint, solution, progress, working, view, shapes, HalfedgeMesh\n"
+        "def g(): return 3\n"
+        "def f():\n"
+        "    check(f); hint(f); view.side_by_side(view.mesh(1), title='x')\n"
+        "    return working(g)(), len(shapes.tetrahedron().faces)\n"
+    )
+    assert ask(w, "f").value == (3, 4)
+
+
+def test_random_numbers_and_the_order_of_sets_are_the_same_in_each_process(package):
+    cell = (
+        "import random\nimport numpy as np\n"
+        "def f(): return [random.random(), np.random.rand(), list({'a', 'b', 'c', 'd'})]"
+    )
+    answers = []
+    for _ in range(2):
+        with Worker([(1, cell)], package) as w:
+            answers += [ask(w, "f").value, ask(w, "f").value]
+    assert answers[0] == answers[1] == answers[2] == answers[3]
+
+
+def test_each_function_has_a_namespace_of_its_own(worker):
+    w = worker("state = []\ndef f():\n    state.append(1)\n    return len(state)\ndef g(): return len(state)")
+    assert ask(w, "f").value == 1
+    assert ask(w, "g").value == 0
+
+
+def test_a_statement_that_fails_costs_what_depends_on_it(worker):
+    w = worker(
+        "import not_installed\nx = 1 / 0",
+        "def f(): return x",
+        "def g(): return not_installed",
+        "def h(): return 1",
+    )
+    assert ask(w, "h").value == 1
+    assert ask(w, "f").trouble.types[0] == "NameError"
+    assert w.prepare("f").notes[0].types[0] == "ZeroDivisionError"
+    assert w.prepare("g").notes[0].place == "cell 1"
+
+
+def test_an_error_of_a_cell_is_no_refusal_of_an_input(worker):
+    w = worker("def decorate(f): raise ValueError('0 1 2 3')", "@decorate\ndef f(x): pass")
+    answer = ask(w, "f", 1)
+    assert answer.status == "raised"
+    assert "ValueError" not in answer.trouble.types
+
+
+def test_an_endless_loop_in_a_needed_cell_costs_its_function_only(worker):
+    w = worker("while True:\n    x = 1", "def f(): return x", "def g(): return 1", load=0.3)
+    assert ask(w, "f").status == "timeout"
+    assert ask(w, "g").value == 1
+
+
+def test_the_survey_runs_nothing(worker):
+    survey = worker(
+        "import os\nx = os._exit(1)", "def f(: pass", "def g():\n    raise NotImplementedError"
+    ).survey()
+    assert survey.names == ("g", "os", "x")
+    assert survey.stubs == ("g",)
+    assert [t.place for t in survey.broken] == ["cell 2"]
+
+
+def test_what_cannot_be_sent_is_our_fault_and_hurts_no_process(worker):
+    w = worker("def f(x): return x")
+    with pytest.raises(WireError):
+        ask(w, "f", object())
+    assert ask(w, "f", 1).value == 1
+
+
+def test_a_forged_reply_is_an_answer_at_most(worker):
+    w = worker(
+        "import os\nfrom gpcourse.sandbox import wire\n"
+        "def f():\n    for fd in range(3, 30):\n        try:\n"
+        "            os.write(fd, wire.pack({'number': 99, 'status': 'returned', 'value': 'forged'}))\n"
+        "        except OSError:\n            pass\n"
+        "def g(): return 'honest'\n"
+    )
+    assert ask(w, "f").status == "crashed"
+    assert ask(w, "g").value == "honest"
+
+
+@pytest.mark.parametrize(
+    "reply",
+    [
+        {}, {"status": "passed"}, {"status": ["returned"]}, {"status": "raised", "trouble": 3},
+        {"status": "raised", "trouble": (1, 2, 3, 4, 5, 6)}, {"status": "returned", "seconds": "long"},
+        {"status": "returned", "changed": [3, ("a",)]},
+    ],
+)  # fmt: skip
+def test_a_reply_of_any_content_is_read_as_an_answer(reply):
+    answer = answer_from(reply)
+    assert answer.status in ("returned", "raised", "crashed")
+    assert isinstance(answer.seconds, float)
+
+
+def test_text_of_a_student_is_short_printable_and_the_same_each_time(worker):
+    w = worker(
+        "def f(): raise RuntimeError('\\x1b[31m' + repr(object()) + __import__('os').getcwd() + 'x' * 9999)"
+    )
+    first, second = ask(w, "f").trouble.message, ask(w, "f").trouble.message
+    w.close()
+    assert first == second == ask(w, "f").trouble.message
+    assert first.startswith("<object object>.x")
+    assert len(first) <= 2000

@@ -11,7 +11,8 @@ The tree::
     │   │   └── HalfedgeError                 half-edge records contradict each other
     │   ├── DegenerateFaceError               a face without area
     │   ├── FlipError                         this edge must not be flipped
-    │   └── OffFormatError                    the text is not an OFF file
+    │   ├── OffFormatError                    the text is not an OFF file
+    │   └── PlyFormatError                    the file is not a PLY file, or it is damaged
     ├── ExerciseError                         no such exercise, or one that is declared badly
     ├── NotebookError                         a notebook that cannot be read or filled in
     ├── WireError                             a message between processes that is not ours
@@ -68,6 +69,10 @@ class OffFormatError(GeometryError):
     def __init__(self, line: int, message: str) -> None:
         super().__init__(f"line {line}: {message}")
         self.line = line
+
+
+class PlyFormatError(GeometryError):
+    """A file that is not a PLY file, or is damaged."""
 
 
 class ExerciseError(GpcourseError):

@@ -15,6 +15,7 @@ from gpcourse.reference.registration.nearest import (
     reject_pairs,
     trim_pairs,
 )
+from gpcourse.reference.registration.normals import estimate_normals
 from gpcourse.reference.registration.rigid import point_to_plane_step, rigid_transform, rotation_of
 from gpcourse.reference.registration.sampling import (
     normal_space_sampling,
@@ -31,6 +32,7 @@ __all__ = [
     "Split",
     "align_scans",
     "build_kdtree",
+    "estimate_normals",
     "icp",
     "nearest",
     "nearest_neighbours",

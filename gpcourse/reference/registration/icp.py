@@ -11,10 +11,9 @@ from gpcourse.reference.registration.nearest import matcher, trim_pairs
 from gpcourse.reference.registration.rigid import point_to_plane_step, rigid_transform
 
 
-def icp(
+def icp(  # noqa: PLR0917
     source: FloatArray,
     target: FloatArray,
-    *,
     normals: FloatArray | None = None,
     max_iterations: int = 50,
     tolerance: float = 0.0,

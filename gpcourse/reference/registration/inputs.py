@@ -67,3 +67,10 @@ def as_distance(value: float, name: str = "max_distance") -> float:
     if not value >= 0:
         raise GeometryError(f"{name} is {value!r}; give a distance, 0 or more")
     return float(value)
+
+
+def as_seed(seed: object) -> int:
+    """Return the seed of a random generator, a whole number that is not negative."""
+    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
+        raise GeometryError(f"seed is {seed!r}; give a whole number, 0 or more")
+    return int(seed)

@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from gpcourse.geometry.arrays import FloatArray, IntArray
-from gpcourse.geometry.shapes.parameters import Rng, generator
-from gpcourse.reference.registration.inputs import as_cloud, as_count, as_normals
+from gpcourse.reference.registration.inputs import as_cloud, as_count, as_normals, as_seed
 
 #: Normals are sorted into cubes of side 1/3, about 20° wide.
 _CELLS_PER_UNIT = 3
 
 
-def random_sampling(n_points: int, k: int, rng: Rng) -> IntArray:
+def random_sampling(n_points: int, k: int, seed: int) -> IntArray:
     """Choose `k` of `n_points` points at random, each with the same probability.
 
     Parameters
@@ -20,8 +19,8 @@ def random_sampling(n_points: int, k: int, rng: Rng) -> IntArray:
     n_points : int
     k : int
         At most `n_points`.
-    rng : int or numpy.random.Generator
-        A seed, or the generator to draw from: ``numpy.random.default_rng(rng)`` takes both.
+    seed : int
+        For ``numpy.random.default_rng``: the same seed gives the same points.
 
     Returns
     -------
@@ -33,7 +32,7 @@ def random_sampling(n_points: int, k: int, rng: Rng) -> IntArray:
     Notes ch. 2, step 1.
     """
     n_points = as_count(n_points, 2**62, "n_points")
-    return generator(rng).choice(n_points, size=as_count(k, n_points), replace=False)
+    return np.random.default_rng(as_seed(seed)).choice(n_points, size=as_count(k, n_points), replace=False)
 
 
 def uniform_sampling(points: FloatArray, k: int) -> IntArray:
@@ -66,7 +65,7 @@ def uniform_sampling(points: FloatArray, k: int) -> IntArray:
     return chosen
 
 
-def normal_space_sampling(normals: FloatArray, k: int, rng: Rng) -> IntArray:
+def normal_space_sampling(normals: FloatArray, k: int, seed: int) -> IntArray:
     """Choose `k` points whose normals are spread evenly over all directions.
 
     Sort the normals into cells of similar direction, and take from each cell in turn, at random, until k are
@@ -78,8 +77,8 @@ def normal_space_sampling(normals: FloatArray, k: int, rng: Rng) -> IntArray:
         Unit vectors.
     k : int
         At most n.
-    rng : int or numpy.random.Generator
-        A seed, or the generator to draw from: ``numpy.random.default_rng(rng)`` takes both.
+    seed : int
+        For ``numpy.random.default_rng``: the same seed gives the same points.
 
     Returns
     -------
@@ -92,7 +91,7 @@ def normal_space_sampling(normals: FloatArray, k: int, rng: Rng) -> IntArray:
     """
     normals = as_normals(normals, "normals", "normals", len(np.atleast_1d(normals)))
     k = as_count(k, len(normals))
-    shuffled = generator(rng).permutation(len(normals))
+    shuffled = np.random.default_rng(as_seed(seed)).permutation(len(normals))
     cells = np.round(_CELLS_PER_UNIT * normals[shuffled]).astype(np.int64)
     _, cell, counts = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
     # The turn in which a point is taken is its place among the points of its own cell.

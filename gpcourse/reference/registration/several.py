@@ -47,7 +47,6 @@ def overlap_mask(
 def align_scans(
     scans: Sequence[FloatArray],
     poses: Sequence[Pose],
-    *,
     normals: Sequence[FloatArray] | None = None,
     max_distance: float = np.inf,
     max_iterations: int = 20,

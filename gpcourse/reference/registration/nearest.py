@@ -160,7 +160,11 @@ def nearest_neighbours(
     return np.array(distances, dtype=np.float64), *counts
 
 
-def matcher(points: FloatArray) -> Callable[[FloatArray], tuple[FloatArray, IntArray]]:
+#: Finds the distance and the index of the nearest point for each row of an array of queries.
+Match = Callable[[FloatArray], tuple[FloatArray, IntArray]]
+
+
+def matcher(points: FloatArray) -> Match:
     """Return a function that finds the nearest of `points` to each row of an array of queries.
 
     It gives the distances and the indices, as `nearest_neighbours` does, from SciPy's k-d tree.

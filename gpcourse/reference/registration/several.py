@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import permutations
 
 import numpy as np
 
@@ -10,10 +12,16 @@ from gpcourse.errors import ArrayError, GeometryError
 from gpcourse.geometry.arrays import BoolArray, FloatArray
 from gpcourse.reference.registration.icp import icp
 from gpcourse.reference.registration.inputs import as_cloud, as_distance, as_normals, as_pose
-from gpcourse.reference.registration.nearest import matcher
+from gpcourse.reference.registration.nearest import Match, matcher, reject_pairs
+from gpcourse.reference.registration.rigid import rotation_of
 
 #: A rotation and a translation: x goes to R x + t.
 Pose = tuple[FloatArray, FloatArray]
+
+#: Matched points p and q, and the normals at p.
+Pairs = tuple[FloatArray, FloatArray, FloatArray]
+
+_MAX_ANGLE = np.pi / 4
 
 
 def overlap_mask(
@@ -53,8 +61,9 @@ def align_scans(
 ) -> list[Pose]:
     """Improve the poses of several scans together, so that no pair is left with all the error.
 
-    Align each scan in turn, except the first, with all others where they are by then. Repeat: what one
-    pair cannot agree on is spread over all of them, and nothing drifts on the way around the object.
+    Match each scan with all others where they are by now, and move all of them, except the first. Repeat:
+    what one pair cannot agree on is spread over all of them, and nothing drifts on the way around the object.
+    Moving one scan at a time onto all others is right too; with normals, all motions are found at once.
 
     Parameters
     ----------
@@ -63,11 +72,13 @@ def align_scans(
     poses : list of (R, t)
         Rough poses to start from: ``R @ x + t`` puts a point of the scan into the common frame.
     normals : list of (n, 3) float arrays, optional
-        Unit normals of each scan, in its own coordinates. With them the steps are point-to-plane.
+        Unit normals of each scan, in its own coordinates, towards the scanner. With them the steps are
+        point-to-plane, and pairs that face in directions more than 45° apart are rejected.
     max_distance : float
-        Pairs further apart are rejected: scans overlap in part.
+        Pairs further apart are rejected: scans overlap in part. Best a little more than the poses are
+        wrong by; far above it, scans slide over each other until more of them overlaps than should.
     max_iterations : int
-        How often to go through all scans.
+        How often to match and move.
 
     Returns
     -------
@@ -86,19 +97,88 @@ def align_scans(
     clouds = [as_cloud(scan, f"scans[{i}]") for i, scan in enumerate(scans)]
     placed = _as_poses(poses, len(clouds))
     directions = _as_directions(normals, clouds)
+    as_distance(max_distance)
+    if directions is None:
+        for _ in range(max_iterations):
+            for i in range(1, len(clouds)):
+                placed[i] = _in_turn(clouds, placed, i, max_distance)
+        return placed
+    scanned = [_Cloud(x, n, matcher(x)) for x, n in zip(clouds, directions, strict=True)]
     for _ in range(max_iterations):
-        for i in range(1, len(clouds)):
-            others = [j for j in range(len(clouds)) if j != i]
-            fixed = np.vstack([clouds[j] @ placed[j][0].T + placed[j][1] for j in others])
-            facing = (
-                None if directions is None else np.vstack([directions[j] @ placed[j][0].T for j in others])
-            )
-            R, t = placed[i]
-            step, shift, _ = icp(
-                clouds[i] @ R.T + t, fixed, normals=facing, max_iterations=1, max_distance=max_distance
-            )
-            placed[i] = (step @ R, step @ t + shift)
+        pairs = {
+            (i, j): _pairs(scanned[i], placed[i], scanned[j], placed[j], max_distance)
+            for i, j in permutations(range(len(clouds)), 2)
+        }
+        placed = _together(pairs, placed)
     return placed
+
+
+def _moved(points: FloatArray, pose: Pose) -> FloatArray:
+    return np.asarray(points @ pose[0].T + pose[1])
+
+
+def _in_turn(clouds: Sequence[FloatArray], placed: Sequence[Pose], i: int, max_distance: float) -> Pose:
+    """Move scan i one step towards all others."""
+    others = [_moved(clouds[j], placed[j]) for j in range(len(clouds)) if j != i]
+    mine = _moved(clouds[i], placed[i])
+    step, shift, _ = icp(mine, np.vstack(others), max_iterations=1, max_distance=max_distance)
+    R, t = placed[i]
+    return step @ R, step @ t + shift
+
+
+@dataclass(frozen=True)
+class _Cloud:
+    """A scan in its own coordinates; so is its tree, which serves for every pose."""
+
+    points: FloatArray
+    normals: FloatArray
+    match: Match
+
+
+def _pairs(mine: _Cloud, pose: Pose, other: _Cloud, at: Pose, max_distance: float) -> Pairs:
+    """Match one scan with another: points of the other, of this one, and the other's normals there."""
+    q, (R, t) = _moved(mine.points, pose), at
+    _, index = other.match((q - t) @ R)
+    p, normals = _moved(other.points[index], at), other.normals[index] @ R.T
+    # Without the angle the front of one scan is pulled onto the back of another.
+    kept = reject_pairs(p, q, normals, mine.normals @ pose[0].T, max_distance, _MAX_ANGLE)
+    return p[kept], q[kept], normals[kept]
+
+
+def _together(pairs: dict[tuple[int, int], Pairs], placed: Sequence[Pose]) -> list[Pose]:
+    """Make one point-to-plane step of all scans at once: six unknowns for each, the first stays."""
+    n = len(placed)
+    centre = np.vstack([q for _, q, _ in pairs.values()]).mean(axis=0)
+    H, b, met = np.zeros((n, 6, n, 6)), np.zeros((n, 6)), np.zeros(n, dtype=np.int64)
+    for (i, j), (p, q, normals) in pairs.items():
+        # A motion of scan i moves q, one of scan j moves p; both change the distance along the normal.
+        of_i = np.column_stack([np.cross(q - centre, normals), normals])
+        of_j = np.column_stack([np.cross(p - centre, normals), normals])
+        apart = np.einsum("ij,ij->i", p - q, normals)
+        H[i, :, i] += of_i.T @ of_i
+        H[j, :, j] += of_j.T @ of_j
+        H[i, :, j] -= of_i.T @ of_j
+        H[j, :, i] -= of_j.T @ of_i
+        b[i] += of_i.T @ apart
+        b[j] -= of_j.T @ apart
+        met[[i, j]] += len(p)
+    if met.min() < 3:
+        raise GeometryError(
+            f"scan {met.argmin()} meets no other; give a larger max_distance, or better poses to start from"
+        )
+    motions = np.zeros((n, 6))
+    motions[1:] = _least_squares(H[1:, :, 1:].reshape(6 * n - 6, -1), b[1:].ravel()).reshape(-1, 6)
+    steps = [(rotation_of(motion[:3]), motion[3:]) for motion in motions]
+    return [
+        (step @ R, step @ (t - centre) + centre + shift)
+        for (step, shift), (R, t) in zip(steps, placed, strict=True)
+    ]
+
+
+def _least_squares(H: FloatArray, b: FloatArray) -> FloatArray:
+    # In units in which every unknown has the same weight; motions that no pair decides are not made.
+    scale = 1 / np.sqrt(np.maximum(H.diagonal(), H.diagonal().max() * 1e-30))
+    return np.asarray(scale * np.linalg.lstsq(H * np.outer(scale, scale), scale * b, rcond=1e-10)[0])
 
 
 def _as_poses(poses: Sequence[Pose], count: int) -> list[Pose]:

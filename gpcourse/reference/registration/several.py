@@ -148,8 +148,9 @@ def _pairs(mine: _Cloud, pose: Pose, other: _Cloud, at: Pose, max_distance: floa
 def _together(pairs: dict[tuple[int, int], Pairs], placed: Sequence[Pose]) -> list[Pose]:
     """Make one point-to-plane step of all scans at once: six unknowns for each, the first stays."""
     n = len(placed)
+    _refuse_lonely(pairs, n)
     centre = np.vstack([q for _, q, _ in pairs.values()]).mean(axis=0)
-    H, b, met = np.zeros((n, 6, n, 6)), np.zeros((n, 6)), np.zeros(n, dtype=np.int64)
+    H, b = np.zeros((n, 6, n, 6)), np.zeros((n, 6))
     for (i, j), (p, q, normals) in pairs.items():
         # A motion of scan i moves q, one of scan j moves p; both change the distance along the normal.
         of_i = np.column_stack([np.cross(q - centre, normals), normals])
@@ -161,11 +162,6 @@ def _together(pairs: dict[tuple[int, int], Pairs], placed: Sequence[Pose]) -> li
         H[j, :, i] -= of_j.T @ of_i
         b[i] += of_i.T @ apart
         b[j] -= of_j.T @ apart
-        met[[i, j]] += len(p)
-    if met.min() < 3:
-        raise GeometryError(
-            f"scan {met.argmin()} meets no other; give a larger max_distance, or better poses to start from"
-        )
     motions = np.zeros((n, 6))
     motions[1:] = _least_squares(H[1:, :, 1:].reshape(6 * n - 6, -1), b[1:].ravel()).reshape(-1, 6)
     steps = [(rotation_of(motion[:3]), motion[3:]) for motion in motions]
@@ -173,6 +169,14 @@ def _together(pairs: dict[tuple[int, int], Pairs], placed: Sequence[Pose]) -> li
         (step @ R, step @ (t - centre) + centre + shift)
         for (step, shift), (R, t) in zip(steps, placed, strict=True)
     ]
+
+
+def _refuse_lonely(pairs: dict[tuple[int, int], Pairs], n: int) -> None:
+    for i in range(n):
+        if sum(len(p) for between, (p, _, _) in pairs.items() if i in between) < 3:
+            raise GeometryError(
+                f"scan {i} meets no other; give a larger max_distance, or better poses to start from"
+            )
 
 
 def _least_squares(H: FloatArray, b: FloatArray) -> FloatArray:

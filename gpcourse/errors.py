@@ -13,6 +13,7 @@ The tree::
     │   ├── FlipError                         this edge must not be flipped
     │   ├── OffFormatError                    the text is not an OFF file
     │   └── PlyFormatError                    the file is not a PLY file, or it is damaged
+    ├── DataError                             data made by others is not here, or damaged
     ├── ExerciseError                         no such exercise, or one that is declared badly
     ├── NotebookError                         a notebook that cannot be read or filled in
     ├── WireError                             a message between processes that is not ours
@@ -73,6 +74,10 @@ class OffFormatError(GeometryError):
 
 class PlyFormatError(GeometryError):
     """A file that is not a PLY file, or is damaged."""
+
+
+class DataError(GpcourseError):
+    """Data made by others cannot be fetched, or is not what it should be."""
 
 
 class ExerciseError(GpcourseError):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from gpcourse.data_sets import load_bunny
 from gpcourse.errors import ArrayError, GeometryError
 from gpcourse.geometry import scans, shapes
 from gpcourse.reference.registration import (
@@ -516,6 +517,53 @@ def test_normals_of_a_sphere_point_outwards():
     top = sphere.vertices[sphere.vertices[:, 2] > 1]
     normals = estimate_normals(top, 12, towards=[0, 0, 1])
     assert np.einsum("ij,ij->i", normals, top / 3).mean() > 0.998
+
+
+# The real bunny ---------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def bunny(real):
+    return load_bunny(real / "bunny")
+
+
+def middle_moves(scan, R, t, S, u):
+    """How far apart two poses put the middle of a scan."""
+    middle = scan.points.mean(axis=0)
+    return np.linalg.norm(R @ middle + t - S @ middle - u)
+
+
+def test_the_second_scan_of_the_bunny_comes_onto_the_first_from_the_identity(bunny):
+    first, second = bunny[:2]
+    R, t = first.R.T @ second.R, first.R.T @ (second.t - first.t)
+    assert degrees_between(np.eye(3), R) > 34
+    normals = estimate_normals(first.points)
+    found, shift, history = icp(second.points[::8], first.points, normals, 60, 1e-7, 0.7)
+    assert len(history) < 60
+    assert degrees_between(found, R) < 0.3  # measured 0.05
+    assert middle_moves(second, found, shift, R, t) < 0.0005  # metres; measured 0.00004
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_five_scans_of_the_bunny_come_into_one_frame_from_rough_poses(bunny, seed):
+    rng = np.random.default_rng(seed)
+    poses = [bunny[0].pose]
+    for scan in bunny[1:]:
+        R, t = random_pose(rng, 6, 0.004)
+        middle = scan.placed.mean(axis=0)
+        poses.append((R @ scan.R, R @ (scan.t - middle) + middle + t))
+    normals = [estimate_normals(scan.points[::8], towards=np.array([0, 0, 1])) for scan in bunny]
+    for step, max_distance, rounds in ((8, 0.01, 20), (4, 0.003, 10), (2, 0.0015, 8)):
+        poses = align_scans(
+            [scan.points[::8][::step] for scan in bunny],
+            poses,
+            [normal[::step] for normal in normals],
+            max_distance,
+            rounds,
+        )
+    for scan, (R, t) in zip(bunny, poses, strict=True):
+        assert degrees_between(R, scan.R) < 1  # measured 0.35
+        assert middle_moves(scan, R, t, *scan.pose) < 0.001  # metres; measured 0.0004
 
 
 # Bad input --------------------------------------------------------------------------------------

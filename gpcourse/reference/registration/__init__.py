@@ -4,7 +4,7 @@ The motion between matched points, matching, rejecting, iterating, sampling, and
 (R, t) takes x to ``R @ x + t``; for rows of points that is ``points @ R.T + t``.
 """
 
-from gpcourse.reference.registration.icp import icp
+from gpcourse.reference.registration.icp import icp, icp_coarse_to_fine
 from gpcourse.reference.registration.nearest import (
     Leaf,
     Split,
@@ -34,6 +34,7 @@ __all__ = [
     "build_kdtree",
     "estimate_normals",
     "icp",
+    "icp_coarse_to_fine",
     "nearest",
     "nearest_neighbours",
     "normal_space_sampling",

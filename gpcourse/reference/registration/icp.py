@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from gpcourse.errors import GeometryError
 from gpcourse.geometry.arrays import BoolArray, FloatArray
 from gpcourse.reference.registration.inputs import as_cloud, as_count, as_distance, as_normals
-from gpcourse.reference.registration.nearest import matcher, trim_pairs
+from gpcourse.reference.registration.nearest import matcher, morton_order, trim_pairs
 from gpcourse.reference.registration.rigid import point_to_plane_step, rigid_transform
 
 
@@ -67,6 +69,7 @@ def icp(  # noqa: PLR0917
     as_distance(tolerance, "tolerance")
     as_distance(max_distance)
 
+    source = source[morton_order(source)]  # the sums do not care about the order, the time does
     match = matcher(target)  # the tree is built once: the target does not move
     R, t = np.eye(3), np.zeros(3)
     history: list[float] = []
@@ -84,6 +87,44 @@ def icp(  # noqa: PLR0917
         history.append(float(np.sqrt((distances[kept] ** 2).mean())))
         if history[-1] < tolerance or (len(history) > 1 and abs(history[-2] - history[-1]) < tolerance):
             break
+    return R, t, history
+
+
+def icp_coarse_to_fine(  # noqa: PLR0917
+    source: FloatArray,
+    target: FloatArray,
+    normals: FloatArray | None = None,
+    strides: Sequence[int] = (64, 8, 1),
+    max_iterations: int = 50,
+    tolerance: float = 0.0,
+    keep: float = 1.0,
+    max_distance: float = np.inf,
+) -> tuple[FloatArray, FloatArray, list[float]]:
+    """Move `source` onto `target` with few points first, then with more: most of the way costs little.
+
+    Parameters
+    ----------
+    strides : sequence of int
+        Use every 64th point of both clouds, then every 8th, then all of them; each is an `icp` of its own,
+        from where the one before it ended.
+
+    All other parameters, and what is returned, are those of `icp`; the history is that of all rounds.
+    """
+    source, target = as_cloud(source, "source"), as_cloud(target, "target")
+    order = morton_order(target)
+    source, target = source[morton_order(source)], target[order]
+    if normals is not None:
+        normals = as_normals(normals, "normals", "target", len(target))[order]
+    R, t = np.eye(3), np.zeros(3)
+    history: list[float] = []
+    for stride in strides:
+        every = slice(None, None, as_count(stride, max(1, min(len(source), len(target)) // 3), "a stride"))
+        facing = None if normals is None else normals[every]
+        step, shift, losses = icp(
+            source[every] @ R.T + t, target[every], facing, max_iterations, tolerance, keep, max_distance
+        )
+        R, t = step @ R, step @ t + shift
+        history += losses
     return R, t, history
 
 

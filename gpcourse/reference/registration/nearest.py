@@ -172,13 +172,36 @@ def matcher(points: FloatArray) -> Match:
     # Imported here: it takes half a second, and most of the chapter does without it.
     from scipy.spatial import cKDTree
 
-    tree = cKDTree(points)
+    # Cutting boxes in the middle is several times faster than at the median, and the queries hardly notice.
+    tree = cKDTree(points, balanced_tree=False, compact_nodes=False)
 
     def match(queries: FloatArray) -> tuple[FloatArray, IntArray]:
         distances, indices = tree.query(queries, workers=-1)
         return np.asarray(distances, dtype=np.float64), np.asarray(indices, dtype=np.int64)
 
     return match
+
+
+def morton_order(points: FloatArray) -> IntArray:
+    """Sort points along a curve that stays in one box of an octree until all of its points are met.
+
+    Queries in this order find in the processor's cache what the query before them has used; and every
+    k-th point in this order is an even sample.
+
+    Returns
+    -------
+    (n,) int array
+        A permutation of the rows.
+    """
+    corner = points.min(axis=0)
+    size = float((points.max(axis=0) - corner).max()) or 1.0
+    cell = ((points - corner) * (1023.99 / size)).astype(np.int64)  # 10 bits for each axis
+    # Spread the bits of each coordinate to every third place, then lay the three between each other.
+    for shift, mask in ((16, 0xFF0000FF), (8, 0x0300F00F), (4, 0x030C30C3), (2, 0x09249249)):
+        cell = (cell | (cell << shift)) & mask
+    key = cell[:, 0] | (cell[:, 1] << 1) | (cell[:, 2] << 2)
+    # Key and row in one integer: sorting integers is faster than sorting rows by their keys.
+    return np.asarray(np.sort((key << 32) | np.arange(len(points))) & 0xFFFFFFFF)
 
 
 def reject_pairs(  # noqa: PLR0917

@@ -12,10 +12,11 @@ READY = $(VENV)/.installed
 TEST_READY = $(VENV)/.installed-test
 BENCH_READY = $(VENV)/.installed-bench
 
-# --dist loadfile: the cells of one notebook need one kernel, in order.
-PYTEST = $(BIN)/pytest -n 2 --dist loadfile
+# The tests of the package are independent: a worker that is done takes some from the other.
+PYTEST = $(BIN)/pytest -n 2 --dist worksteal
 # Lax: only cells marked NBVAL_CHECK_OUTPUT are compared, an exception fails in any cell.
-NBVAL = $(PYTEST) --nbval-lax --nbval-current-env --nbval-cell-timeout=120
+# --dist loadfile: the cells of one notebook need one kernel, in order.
+NBVAL = $(BIN)/pytest -n 2 --dist loadfile --nbval-lax --nbval-current-env --nbval-cell-timeout=120
 
 .PHONY: help lab test lint nbval pytest grade solve bench clean
 .DEFAULT_GOAL = help
@@ -74,9 +75,10 @@ $(READY): $(FOUND) pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
 	@touch $@
 
-$(TEST_READY): $(READY)
+$(TEST_READY): $(FOUND) pyproject.toml
+	@echo "Installing the course and its tests into $(VENV); the first time takes a minute or two"
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
-	@touch $@
+	@touch $(READY) $@
 
 # A peer that cannot be built here is left out, and the benchmark says so.
 $(BENCH_READY): $(READY) benchmarks/peers.txt

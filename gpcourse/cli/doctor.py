@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import shutil
 import sys
 from collections.abc import Iterator
 from importlib import metadata
-from importlib.util import find_spec
 
 import click
 
@@ -43,7 +41,7 @@ def doctor() -> None:
         click.secho(title, bold=True)
         for name, text, fine in findings:
             well = well and fine is not False
-            click.echo(f"  {'–' if fine is None else '✓' if fine else '✗'} {name:<14} {text}")
+            click.echo(f"  {'–' if fine is None else '✓' if fine else '✗'} {name:<16} {text}")
     raise SystemExit(not well)
 
 
@@ -67,14 +65,13 @@ def _programs() -> Iterator[Finding]:
 
 
 def _confinement() -> Iterator[Finding]:
-    """Say what bounds student code while it is graded."""
-    yield "process", "student code runs in a process of its own, with a time limit for each call", True
-    if hasattr(os, "setsid"):
-        yield "ending", "a process that does not answer is ended with its children", True
-    else:
-        yield "ending", "a process that does not answer is ended; its children may survive it", None
-    if find_spec("resource") is not None:
-        yield "limits", "memory, processor time, size of files", True
-    else:
-        yield "limits", "this system has none on memory and processor time", None
+    """Say what bounds student code while it is graded, and what more this machine could do."""
+    from gpcourse.sandbox.probe import probe
+
+    used = ("own process", "resource limits")
+    for layer in probe():
+        if layer.name in used:
+            yield layer.name, layer.words, layer.works
+        else:
+            yield layer.name, f"{layer.words} (not used yet)" if layer.works else layer.words, None
     yield "files, network", "open to student code: grade strangers' work in a container", None

@@ -163,19 +163,26 @@ def close(
     if bool((error <= tolerance).all()):
         return
     if error.ndim == 0:
-        raise Wrong(
-            f"{what} is not right.", yours=f"{float(have):.6g}", truth=f"{float(want):.6g}", on=on, **details
-        )
+        mine, true = _told_apart(float(have), float(want))
+        raise Wrong(f"{what} is not right.", yours=mine, truth=true, on=on, **details)
     worst = np.unravel_index(int(np.argmax(np.where(np.isnan(error), np.inf, error))), error.shape)
     many = int(np.count_nonzero(~(error <= tolerance)))
     index = ", ".join(str(int(i)) for i in worst)
+    every = np.broadcast_to(have, error.shape), np.broadcast_to(want, error.shape)
+    mine, true = _told_apart(float(every[0][worst]), float(every[1][worst]))
     raise Wrong(
         f"{what}: {many} of {error.size} numbers differ; the worst is at index [{index}].",
-        yours=f"{have[worst]:.6g}",
-        truth=f"{np.broadcast_to(want, error.shape)[worst]:.6g}",
+        yours=mine,
+        truth=true,
         on=on,
         **details,
     )
+
+
+def _told_apart(a: float, b: float) -> tuple[str, str]:
+    """Write two numbers with six digits, or with as many as show that they differ."""
+    digits = next((d for d in range(6, 17) if f"{a:.{d}g}" != f"{b:.{d}g}"), 17)
+    return f"{a:.{digits}g}", f"{b:.{digits}g}"
 
 
 def polygons(value: object, n_vertices: int, what: str = "The faces", *, on: str = "") -> list[list[int]]:

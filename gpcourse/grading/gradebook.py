@@ -84,7 +84,7 @@ def file_names(students: Iterable[str]) -> dict[str, str]:
     taken: set[str] = set()
     for student in students:
         name = re.sub(r"[^A-Za-z0-9_-]+", "-", student).strip("-")[:60]
-        if name != student or name.lower() in taken:
+        if not name or name != student or name.lower() in taken:
             name = f"{name or 'student'}-{zlib.crc32(student.encode('utf-8', 'replace')):08x}"
         taken.add(name.lower())
         names[student] = name

@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import tempfile
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -101,13 +102,14 @@ def grade(
     exercises = tuple(exercise for chapter in chosen for exercise in chapter.exercises)
     names = gradebook.file_names(s.student for s in submissions)
     done: dict[str, Report] = {}
-    for report in _judge_all(submissions, exercises, seed, jobs, limits or confine.Limits()):
-        stem = names[report.student]
-        gradebook.write(out / "students" / f"{stem}.html", reports.student_page(report, chosen, seed))
-        gradebook.write(out / "gradescope" / stem / "results.json", gradebook.gradescope(report))
-        done[report.student] = _slim(report)
-        if progress is not None:
-            progress(len(done), len(submissions), report.student)
+    with closing(_judge_all(submissions, exercises, seed, jobs, limits or confine.Limits())) as judged:
+        for report in judged:
+            stem = names[report.student]
+            gradebook.write(out / "students" / f"{stem}.html", reports.student_page(report, chosen, seed))
+            gradebook.write(out / "gradescope" / stem / "results.json", gradebook.gradescope(report))
+            done[report.student] = _slim(report)
+            if progress is not None:
+                progress(len(done), len(submissions), report.student)
     book = GradeBook(tuple(done[s.student] for s in submissions), chosen, exercises, seed, out)
     gradebook.write(book.table, gradebook.grades_csv(book.reports, exercises))
     gradebook.write(book.page, reports.class_page(book.reports, chosen, exercises, seed, names))
@@ -147,15 +149,19 @@ def _judge_all(
     seed: int,
     jobs: int | None,
     limits: confine.Limits,
-) -> Iterator[Report]:
+) -> Generator[Report, None, None]:
     """Yield the reports as they are done. The work is in the workers, so threads are enough here."""
     fonts = any("matplotlib" in text for s in submissions for n in s.notebooks for _, text in n.cells)
     stopped = threading.Event()
+    lines: list[Line] = []
 
     def start(package: Path, limits: confine.Limits) -> Line:
-        if stopped.is_set():
+        line = confine.launch(package, limits)
+        lines.append(line)
+        if stopped.is_set():  # asked after it is in the list, so that no process is overlooked
+            line.close()
             raise WorkerError("grading was interrupted")
-        return confine.launch(package, limits)
+        return line
 
     with tempfile.TemporaryDirectory(prefix="gpcourse-", ignore_cleanup_errors=True) as root:
         package = home.build(Path(root) / "home", fonts=fonts)
@@ -171,7 +177,9 @@ def _judge_all(
                 for future in as_completed(futures):
                     yield future.result()
             except BaseException:
-                stopped.set()
+                stopped.set()  # Ctrl-C: what is being asked now is not waited for, nor asked again
+                for line in lines:
+                    line.kill()
                 pool.shutdown(wait=False, cancel_futures=True)
                 raise
 

@@ -139,10 +139,8 @@ def _global_names(node: ast.stmt) -> set[str]:
     while waiting:
         table = waiting.pop()
         waiting.extend(table.get_children())
-        outermost = table.get_type() == "module"
-        names |= {
-            s.get_name() for s in table.get_symbols() if s.is_global() or (outermost and s.is_referenced())
-        }
+        outside = symtable.Symbol.is_referenced if table.get_type() == "module" else symtable.Symbol.is_global
+        names |= {symbol.get_name() for symbol in table.get_symbols() if outside(symbol)}
     return names
 
 

@@ -36,6 +36,7 @@ class Line:
         self.process = process
         self.scratch = scratch
         self.number = 0
+        self.closed = False
         pipes = process.stdin, process.stdout
         self.sink, self.source = (pipe.fileno() for pipe in pipes if pipe is not None)
 
@@ -126,6 +127,8 @@ class Line:
 
     def kill(self) -> None:
         """End the process and those it started, unless they went into a session of their own."""
+        if self.closed:  # its number may be another process's by now
+            return
         with contextlib.suppress(OSError):
             if sys.platform == "win32":
                 self.process.kill()
@@ -136,6 +139,7 @@ class Line:
     def close(self) -> None:
         """End the process, close the pipes and remove its folder."""
         self.kill()
+        self.closed = True
         self.process.wait()
         for pipe in (self.process.stdin, self.process.stdout):
             with contextlib.suppress(OSError):

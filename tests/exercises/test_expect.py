@@ -95,6 +95,12 @@ def test_close_names_the_worst_number():
     assert (raised.value.yours, raised.value.truth) == ("2.5", "2")
 
 
+def test_numbers_that_differ_late_are_shown_with_more_digits():
+    with pytest.raises(Wrong) as raised:
+        expect.close(1.0 + 1e-9, 1.0, 0.0, "The length")
+    assert (raised.value.yours, raised.value.truth) == ("1.000000001", "1")
+
+
 def test_nan_is_never_close():
     with pytest.raises(Wrong):
         expect.close(np.array([np.nan]), np.array([1.0]), np.inf, "The length")

@@ -238,6 +238,12 @@ def test_a_value_that_pretends_to_be_html_is_shown_as_it_is(exercise):
     assert "<img src=x onerror=alert(1)>" in words
 
 
+def test_long_texts_are_clipped_and_short_ones_kept():
+    assert len(clean("x" * 5000, 100)) == 100
+    assert clean("x" * 5000, 100).endswith(" …")
+    assert clean("x" * 100, 100) == "x" * 100
+
+
 def test_a_lone_surrogate_does_no_harm():
     clean("\ud800 and more").encode("utf-8")
 

@@ -170,3 +170,8 @@ def test_orbit_labels_of_one_long_cycle():
     permutation = np.empty_like(order)
     permutation[order] = np.roll(order, -1)
     assert not orbit_labels(permutation).any()
+
+
+def test_orbit_labels_of_a_very_long_cycle_take_few_rounds():
+    # A walk step by step would take 200,000 rounds over all of it, which is minutes.
+    assert not orbit_labels(np.roll(np.arange(200_000), 1)).any()

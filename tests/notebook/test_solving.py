@@ -12,7 +12,7 @@ import pytest
 from gpcourse.errors import NotebookError
 from gpcourse.exercises.course import CHAPTERS, find
 from gpcourse.exercises.judging import ask_here, judge
-from gpcourse.notebook.closure import closure
+from gpcourse.notebook.closure import _Collector, closure
 from gpcourse.notebook.document import read, source_of, written
 from gpcourse.notebook.solving import solve
 from gpcourse.notebook.stubs import exercises_in, replaced, stub_source, sync
@@ -198,6 +198,18 @@ def test_a_function_made_by_another_is_refused_with_the_repair():
     inner.__module__ = "gpcourse.reference.halfedge"
     with pytest.raises(NotebookError, match="move it there"):
         closure(inner)
+
+
+def test_a_local_variable_that_is_called_like_a_global_brings_in_nothing():
+    variant = next(v for v in find("face_vertices").variants if "for _ in" in inspect.getsource(v.function))
+    assert [d.name for d in closure(variant.function, "face_vertices").definitions] == ["face_vertices"]
+
+
+def test_helpers_of_two_modules_with_one_name_are_kept_apart():
+    collector = _Collector(frozenset(), taken={"genus", "_flip"})
+    assert collector._free("_flip") != "_flip"
+    assert collector._free("genus") == "_genus"
+    assert collector._free("genus") == "_genus_"
 
 
 def test_the_source_is_not_changed_by_collecting():

@@ -35,10 +35,8 @@ def irregular_patch(rng: Rng, n: int = 100, *, stretch: float = 1.0) -> Shape:
     free = np.column_stack([(column > 0) & (column < k), (row > 0) & (row < k)])
     shake = draw.uniform(-0.42, 0.42, size=free.shape)
     plane = (np.column_stack([column, row]) + np.where(free, shake, 0.0)) / k
+    # In the plane scipy gives triangles counter-clockwise.
     faces = Delaunay(plane * [stretch, 1.0]).simplices.astype(np.int64)
-    a, b, c = (plane[faces[:, corner]] for corner in range(3))
-    twice_area = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
-    faces = np.where(twice_area[:, None] < 0, faces[:, ::-1], faces)
     vertices = np.pad(plane, ((0, 0), (0, 1)))
     return flat("irregular patch", vertices, faces, loops=(4 * k,), interior=free[:, 0] & free[:, 1])
 

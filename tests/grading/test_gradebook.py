@@ -1,0 +1,161 @@
+"""Tables and pages: true to the verdicts, and harmless whatever a student is called or writes."""
+
+import csv
+import io
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from gpcourse.exercises import expect
+from gpcourse.exercises.course import Chapter
+from gpcourse.exercises.exercise import Exercise
+from gpcourse.exercises.judging import ask_here, judge
+from gpcourse.grading import gradebook, reports
+from gpcourse.grading.judge import Judged, Report
+
+
+def twice(x):
+    """Return x times two."""
+    return 2 * x
+
+
+@pytest.fixture(scope="module")
+def exercise():
+    made = Exercise(twice, notes="ch. 0", hints=["Look again."])
+
+    @made.check("zero stays zero")
+    def _(f, rng):
+        expect.close(expect.number(f(0)), 0.0, 0.0, "Twice 0")
+
+    @made.check("three becomes six", points=2)
+    def _(f, rng):
+        expect.close(expect.number(f(3)), 6.0, 0.0, "Twice 3")
+
+    @made.mistake("it was squared", hint="What is two times three?")
+    def _(x):
+        return x**2
+
+    return made
+
+
+def report(exercise, function, student="ada", **fields):
+    verdict = judge(exercise, ask_here(function), 0)
+    return Report(student, fields.pop("status", "graded"), (Judged(verdict),), **fields)
+
+
+CHAPTERS = (Chapter(0, "welcome", "Welcome"),)
+NASTY = [
+    "=1+1",
+    " =1+1",
+    "+1",
+    "-1",
+    "@x",
+    'a,"b"',
+    "<script>alert(1)</script>",
+    "two\nlines",
+    "😀",
+    "\t=1",
+    "x\x1b[31m",
+]
+
+
+class Tags(HTMLParser):
+    """The names of all tags, and the text of the page."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.tags, self.words, self.attributes = [], [], []
+        self.feed(page)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += [name for name, _ in attrs]
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+def test_a_row_has_the_points_the_total_and_the_status(exercise):
+    rows = list(
+        csv.DictReader(io.StringIO(gradebook.grades_csv([report(exercise, lambda x: x**2)], [exercise])))
+    )
+    assert rows[0]["twice"] == rows[0]["total"] == "1"
+    assert (rows[0]["out of"], rows[0]["status"], rows[0]["note"]) == ("3", "graded", "")
+
+
+@pytest.mark.parametrize("name", NASTY)
+def test_no_cell_is_a_formula_and_no_row_breaks(exercise, name):
+    text = gradebook.grades_csv([report(exercise, twice, name, notes=(name,))], [exercise])
+    rows = list(csv.reader(io.StringIO(text)))
+    assert len(text.splitlines()) == len(rows) == 2
+    assert not any(cell.strip().startswith(("=", "+", "-", "@")) for cell in rows[1])
+
+
+def test_a_crash_or_an_error_is_in_the_note(exercise):
+    assert gradebook.note(report(exercise, lambda x: 1 / 0)) == "twice: error"
+
+
+def test_gradescope_gets_a_test_for_each_exercise(exercise):
+    content = json.loads(gradebook.gradescope(report(exercise, lambda x: x**2)))
+    assert content["score"] == sum(test["score"] for test in content["tests"]) == 1
+    test = content["tests"][0]
+    assert (test["name"], test["max_score"], test["status"]) == ("twice", 3, "failed")
+    assert "it was squared" in test["output"]
+
+
+def test_file_names_are_plain_and_differ():
+    names = gradebook.file_names(["ada", "Ada", "a da", "a/da", "../ada", "😀", "李", "", "x" * 300, *NASTY])
+    assert names["ada"] == "ada"
+    assert all(re.fullmatch(r"[A-Za-z0-9_-]{1,70}", name) for name in names.values())
+    assert len({name.lower() for name in names.values()}) == len(names)
+
+
+def test_the_class_page_counts_named_mistakes(exercise):
+    students = {"ada": twice, "bo": lambda x: x**2, "cy": lambda x: x * x}
+    all_reports = [report(exercise, f, name) for name, f in students.items()]
+    page = reports.class_page(all_reports, CHAPTERS, [exercise], 7, {name: name for name in students})
+    row = page[page.rindex("<tr>", 0, page.rindex("it was squared")) : page.rindex("it was squared") + 300]
+    assert '<td class="count num">2</td>' in row
+    assert "students/bo.html" in row
+    assert "students/cy.html" in row
+    assert "seed <b>7</b>" in page
+
+
+def test_a_student_page_quotes_the_feedback(exercise):
+    words = " ".join(Tags(reports.student_page(report(exercise, lambda x: x**2), CHAPTERS, 7)).words)
+    for text in ("zero stays zero", "three becomes six", "it was squared", "What is two times three?"):
+        assert text in words
+
+
+@pytest.mark.parametrize("name", NASTY)
+def test_what_a_student_writes_is_text_on_a_page(exercise, name):
+    def nasty(x):
+        raise RuntimeError("<script>alert(1)</script><img src=x onerror=alert(1)>")
+
+    one = report(exercise, nasty, name, notes=("<b onclick=alert(1)>",))
+    for page in (
+        reports.student_page(one, CHAPTERS, 0),
+        reports.class_page([one], CHAPTERS, [exercise], 0, gradebook.file_names([name])),
+    ):
+        tags = Tags(page)
+        assert not {"script", "img", "iframe", "object"} & set(tags.tags)
+        assert not any(attribute.startswith("on") for attribute in tags.attributes)
+    assert "<script>alert" in " ".join(Tags(reports.student_page(one, CHAPTERS, 0)).words)
+
+
+def test_pages_load_nothing_from_elsewhere(exercise):
+    page = reports.student_page(report(exercise, np.sqrt), CHAPTERS, 0)
+    assert "http://" not in page
+    assert "https://" not in page
+
+
+def test_a_file_is_written_as_a_whole(tmp_path, monkeypatch):
+    path = tmp_path / "new" / "grades.csv"
+    gradebook.write(path, "old\n")
+    with pytest.raises(UnicodeEncodeError):
+        gradebook.write(path, "half" * 10_000 + "\ud800")
+    assert path.read_bytes() == b"old\n"
+    assert [p.name for p in path.parent.iterdir()] == ["grades.csv"]

@@ -1,0 +1,27 @@
+"""The probe tells what works here, and why what does not."""
+
+import sys
+
+import pytest
+
+from gpcourse.sandbox import probe as probing
+from gpcourse.sandbox.probe import probe
+
+
+def test_each_layer_has_a_word():
+    layers = probe()
+    assert [layer.name for layer in layers] == [
+        "own process", "resource limits", "user namespaces", "bubblewrap", "Landlock", "seccomp",
+    ]  # fmt: skip
+    assert layers[0].works
+    assert all(layer.words for layer in layers)
+
+
+def test_what_is_not_installed_is_said(monkeypatch):
+    monkeypatch.setattr(probing.shutil, "which", lambda name: None)
+    assert probing._bubblewrap() == "bwrap is not installed"
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="memory is limited on Linux")
+def test_memory_can_be_limited_on_linux():
+    assert next(layer for layer in probe() if layer.name == "resource limits").works

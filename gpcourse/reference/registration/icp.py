@@ -106,7 +106,7 @@ def icp_coarse_to_fine(  # noqa: PLR0917
     ----------
     strides : sequence of int
         Use every 64th point of both clouds, then every 8th, then all of them; each is an `icp` of its own,
-        from where the one before it ended.
+        from where the one before it ended, with the tolerance times the stride.
 
     All other parameters, and what is returned, are those of `icp`; the history is that of all rounds.
     """
@@ -118,10 +118,12 @@ def icp_coarse_to_fine(  # noqa: PLR0917
     R, t = np.eye(3), np.zeros(3)
     history: list[float] = []
     for stride in strides:
+        # A sample moves with the choice of its points; to follow it more exactly than that is of no use.
+        enough = tolerance * stride
         every = slice(None, None, as_count(stride, max(1, min(len(source), len(target)) // 3), "a stride"))
         facing = None if normals is None else normals[every]
         step, shift, losses = icp(
-            source[every] @ R.T + t, target[every], facing, max_iterations, tolerance, keep, max_distance
+            source[every] @ R.T + t, target[every], facing, max_iterations, enough, keep, max_distance
         )
         R, t = step @ R, step @ t + shift
         history += losses

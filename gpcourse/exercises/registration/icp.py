@@ -72,7 +72,7 @@ def _result(value: object, most: int, on: str) -> Result:
 def _expect_pose(
     mine: Result, want: Motion, source: FloatArray, target: FloatArray, tolerance: float, on: str
 ) -> None:
-    """Expect the pose within `tolerance`, in radians, and points within three times that many length units."""
+    """Expect the rotation within `tolerance`, in radians, and points within three times that, in length."""
     R, t, _ = mine
     details: dict[str, Any] = {"on": on, "picture": pictures.of_alignment(target, source, R, t)}
     angle = angle_between(R, want[0])

@@ -12,6 +12,9 @@ from gpcourse.reference.registration.inputs import as_cloud, as_count, as_distan
 from gpcourse.reference.registration.nearest import matcher, morton_order, trim_pairs
 from gpcourse.reference.registration.rigid import point_to_plane_step, rigid_transform
 
+#: Below this many points a round costs its fixed part only.
+_FEWEST = 1000
+
 
 def icp(  # noqa: PLR0917
     source: FloatArray,
@@ -106,7 +109,8 @@ def icp_coarse_to_fine(  # noqa: PLR0917
     ----------
     strides : sequence of int
         Use every 64th point of both clouds, then every 8th, then all of them; each is an `icp` of its own,
-        from where the one before it ended, with the tolerance times the stride.
+        from where the one before it ended, with the tolerance times the stride. A round
+        with fewer than a thousand points would save nothing, and is left out.
 
     All other parameters, and what is returned, are those of `icp`; the history is that of all rounds.
     """
@@ -118,9 +122,12 @@ def icp_coarse_to_fine(  # noqa: PLR0917
     R, t = np.eye(3), np.zeros(3)
     history: list[float] = []
     for stride in strides:
+        fewest = min(len(source), len(target)) // as_count(stride, 2**31, "a stride")
+        if stride > 1 and fewest < _FEWEST:
+            continue
         # A sample moves with the choice of its points; to follow it more exactly than that is of no use.
         enough = tolerance * stride
-        every = slice(None, None, as_count(stride, max(1, min(len(source), len(target)) // 3), "a stride"))
+        every = slice(None, None, stride)
         facing = None if normals is None else normals[every]
         step, shift, losses = icp(
             source[every] @ R.T + t, target[every], facing, max_iterations, enough, keep, max_distance

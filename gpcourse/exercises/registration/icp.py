@@ -53,7 +53,7 @@ ICP = Exercise(
         "When has an iteration changed nothing? A motion has two parts, and both may be at work.",
     ],
     canonical=_as_pose,
-    time_limit=4.0,
+    time_limit=6.0,
 )
 
 Result = tuple[FloatArray, FloatArray, FloatArray]

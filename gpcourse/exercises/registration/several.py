@@ -37,6 +37,7 @@ OVERLAP_MASK = Exercise(
         "Which of the two clouds has to be moved before you measure, and by what?",
         "For each moved point, how far is the nearest point of the target?",
     ],
+    time_limit=6.0,  # the first call may import SciPy, on a busy machine
 )
 
 _Overlap = tuple[FloatArray, FloatArray, FloatArray, FloatArray, float]
@@ -277,7 +278,7 @@ def _(f: Asked, rng: Rng) -> None:
     on = "four scans around an object, with noise of 0.004"
     mine = _poses(value, 4, on)
     # 80 pairs with noise 0.004 √2 fix a turn to about 0.001; most is what is left of the start.
-    _expect_poses(mine, poses, scans, angle=0.03, distance=0.05, on=on)
+    _expect_poses(mine, poses, scans, angle=0.035, distance=0.07, on=on)
 
 
 @ALIGN_SCANS.check("nothing drifts where the way around the object closes", points=2)

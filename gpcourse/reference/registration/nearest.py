@@ -33,8 +33,9 @@ class Split:
 
     axis: int
     value: float
-    below: Tree
-    above: Tree
+    # Quoted: a solved notebook has no future import, and the name comes after this class.
+    below: "Tree"  # noqa: UP037
+    above: "Tree"  # noqa: UP037
 
 
 Tree = Leaf | Split

@@ -38,7 +38,7 @@ def thinned(scan: Scan, most: int) -> Scan:
     pitch = max(float(np.sqrt(wide * high / most)) / 2, float(max(wide, high)) / most)
     cells, kept = _nearest_to_centre(scan.points, pitch)
     while len(kept) > most:
-        pitch *= 1.02
+        pitch *= max(1.02, 0.95 * float(np.sqrt(len(kept) / most)))
         cells, kept = _nearest_to_centre(scan.points, pitch)
     index = np.full(cells.max(axis=0) + 1, -1)
     index[cells[:, 0], cells[:, 1]] = np.arange(len(kept))
@@ -54,5 +54,6 @@ def _nearest_to_centre(points: FloatArray, pitch: float) -> tuple[IntArray, IntA
     cells = np.floor(place).astype(np.int64)
     off = ((place - cells - 0.5) ** 2).sum(axis=1)
     order = np.argsort(off, kind="stable")
-    occupied, first = np.unique(cells[order], axis=0, return_index=True)
-    return occupied, order[first]
+    columns = cells[:, 1].max() + 1
+    occupied, first = np.unique((cells[:, 0] * columns + cells[:, 1])[order], return_index=True)
+    return np.column_stack(np.divmod(occupied, columns)), order[first]

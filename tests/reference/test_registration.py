@@ -293,6 +293,17 @@ def test_point_to_point_creeps_where_point_to_plane_has_long_arrived(seed):
     assert min(after) > 1, after  # point-to-plane is below 0.1 by then
 
 
+def test_two_iterations_are_one_after_the_other():
+    first, second, R, t = pair_of_scans()
+    turn, shift = random_pose(np.random.default_rng(0), 30, 0.1)
+    start = (second.points @ R.T + t) @ turn.T + shift
+    one, by, _ = icp(start, first.points, first.normals, 1)
+    two, further, _ = icp(start @ one.T + by, first.points, first.normals, 1)
+    both, whole, _ = icp(start, first.points, first.normals, 2)
+    assert np.abs(both - two @ one).max() < 1e-12
+    assert np.abs(whole - two @ by - further).max() < 1e-12
+
+
 def test_noise_and_outliers_do_not_spoil_the_pose():
     first, second, R, t = pair_of_scans(noise=0.003, outliers=0.05)
     turn, shift = random_pose(np.random.default_rng(0), 5, 0.03)

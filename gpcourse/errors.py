@@ -12,7 +12,9 @@ The tree::
     │   ├── DegenerateFaceError               a face without area
     │   ├── FlipError                         this edge must not be flipped
     │   ├── SingularSystemError               a linear system without exactly one solution
-    │   └── OffFormatError                    the text is not an OFF file
+    │   ├── OffFormatError                    the text is not an OFF file
+    │   └── PlyFormatError                    the file is not a PLY file, or it is damaged
+    ├── DataError                             data made by others is not here, or damaged
     ├── ExerciseError                         no such exercise, or one that is declared badly
     ├── NotebookError                         a notebook that cannot be read or filled in
     ├── WireError                             a message between processes that is not ours
@@ -73,6 +75,14 @@ class OffFormatError(GeometryError):
     def __init__(self, line: int, message: str) -> None:
         super().__init__(f"line {line}: {message}")
         self.line = line
+
+
+class PlyFormatError(GeometryError):
+    """A file that is not a PLY file, or is damaged."""
+
+
+class DataError(GpcourseError):
+    """Data made by others cannot be fetched, or is not what it should be."""
 
 
 class ExerciseError(GpcourseError):

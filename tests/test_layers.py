@@ -18,7 +18,7 @@ PACKAGE = ROOT / "gpcourse"
 FLOORS = (
     {"errors"},
     {"geometry"},
-    {"sandbox", "view", "reference"},
+    {"sandbox", "view", "reference", "data_sets"},
     {"exercises"},
     {"notebook", "grading"},
     {"cli"},
@@ -29,7 +29,18 @@ FLOOR_OF = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 #: Modules of exercises/ that are not a chapter.
 KIT = {"course", "exercise", "expect", "feedback", "judging"}
 
-HEAVY = ("scipy", "matplotlib", "nbformat", "IPython", "jinja2", "skimage", "jupyterlab", "rich")
+HEAVY = (
+    "scipy",
+    "matplotlib",
+    "nbformat",
+    "IPython",
+    "jinja2",
+    "skimage",
+    "jupyterlab",
+    "rich",
+    "pooch",
+    "requests",
+)
 
 MODULES = sorted(PACKAGE.rglob("*.py"))
 CHAPTERS = [path.stem.partition("_")[2] for path in sorted((ROOT / "notebooks").glob("[0-9]*_*.ipynb"))]

@@ -12,6 +12,8 @@ READY = $(VENV)/.installed
 TEST_READY = $(VENV)/.installed-test
 BENCH_READY = $(VENV)/.installed-bench
 
+# Two workers on two cores: more threads in BLAS would only wait for each other.
+export OPENBLAS_NUM_THREADS = 1
 # The tests of the package are independent: a worker that is done takes some from the other.
 PYTEST = $(BIN)/pytest -n 2 --dist worksteal
 # Lax: only cells marked NBVAL_CHECK_OUTPUT are compared, an exception fails in any cell.
@@ -52,6 +54,7 @@ solve: $(READY) ## write solved notebooks into solved/
 bench: $(BENCH_READY) ## compare the speed with other libraries (installs them, takes minutes)
 	$(BIN)/python benchmarks/halfedge.py
 	$(BIN)/python benchmarks/registration.py
+	$(BIN)/python benchmarks/smoothing.py
 
 clean: ## remove .venv and everything that was built; keeps grades/, solved/ and the notebooks
 	rm -rf $(VENV) build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis

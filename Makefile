@@ -12,8 +12,6 @@ READY = $(VENV)/.installed
 TEST_READY = $(VENV)/.installed-test
 BENCH_READY = $(VENV)/.installed-bench
 
-# Two workers on two cores: more threads in BLAS would only wait for each other.
-export OPENBLAS_NUM_THREADS = 1
 # The tests of the package are independent: a worker that is done takes some from the other.
 PYTEST = $(BIN)/pytest -n 2 --dist worksteal
 # Lax: only cells marked NBVAL_CHECK_OUTPUT are compared, an exception fails in any cell.
@@ -28,6 +26,9 @@ help: ## print this list
 
 lab: $(READY) ## set up, then open the course in JupyterLab
 	$(BIN)/gpcourse lab
+
+# Two workers on two cores: more threads in BLAS would only wait for each other.
+nbval pytest: export OPENBLAS_NUM_THREADS = 1
 
 test: lint nbval pytest ## set up, then run all that CI runs
 

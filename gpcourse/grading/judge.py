@@ -12,6 +12,7 @@ from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Verdict, judge
 from gpcourse.grading.submission import Notebook, Submission
 from gpcourse.sandbox.call import Trouble
+from gpcourse.sandbox.lockdown import Level
 from gpcourse.sandbox.proxy import Survey, Worker
 
 #: ``open_worker(notebook)`` returns the worker that holds a notebook's functions.
@@ -36,12 +37,14 @@ class Report:
 
     `status` is ``graded``; ``not attempted`` when no exercise was; ``unreadable`` when no file
     could be read; ``grader fault`` when a person has to look, because a check of ours broke.
+    `confinement` is the level (see `sandbox.lockdown`) at which its code was run.
     """
 
     student: str
     status: str
     judged: tuple[Judged, ...]
     notes: tuple[str, ...] = ()
+    confinement: Level = "limits"
 
     @property
     def points(self) -> int:

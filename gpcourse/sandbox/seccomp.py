@@ -1,8 +1,8 @@
 """A seccomp filter: the system calls that student code is refused.
 
 The list says what is denied, not what is allowed: numpy, SciPy and Python's own library go on working, and
-a new harmless call needs no change here. A refused call fails with EPERM, as for somebody without the right, and
-Python raises PermissionError. Calls in another architecture's numbering end the process.
+a new harmless call needs no change here. A refused call fails with EPERM, as for somebody without the right,
+and Python raises PermissionError. Calls in another architecture's numbering end the process.
 
 Threads may be made, processes may not; a process may signal and limit itself, nobody else.
 """

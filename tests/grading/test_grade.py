@@ -201,10 +201,12 @@ def test_an_interruption_does_not_wait_for_who_is_being_graded(tmp_path):
     folder = write(tmp_path / "class", "ada")
     write(folder, *"bcdef", source="while True:\n    x = 1\ndef triangle_area(a, b, c):\n    return x")
 
+    moments = []
+
     def interrupt(*step):
+        moments.append(time.monotonic())
         raise KeyboardInterrupt
 
-    start = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
         grade(folder, tmp_path / "out", jobs=1, progress=interrupt)
-    assert time.monotonic() - start < confine.Limits().load / 2
+    assert time.monotonic() - moments[0] < confine.Limits().load / 2

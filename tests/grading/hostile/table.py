@@ -98,6 +98,7 @@ RESOURCES = [
         "memory that grows",
         "ran()\nimport numpy as np\nheld = []\nwhile True: held.append(np.zeros(2**22))",
         "out of memory",
+        "timeout",  # macOS limits no memory
     ),
     function(
         "output flood",

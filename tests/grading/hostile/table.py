@@ -147,6 +147,12 @@ TAMPERING = [
         "crashed", "error",
     ),
     function(
+        "later answers replaced",
+        "ran()\nfrom gpcourse.sandbox import worker\n"
+        "worker.call = lambda *a, **k: worker.Answer('returned', 0)\nreturn 0",
+        "failed",
+    ),
+    function(
         "frames searched",
         "frame, seen = sys._getframe(), set()\nwhile frame:\n    seen |= set(frame.f_locals) | set(frame.f_globals)\n"
         "    frame = frame.f_back\nran(sorted(seen & {'Exercise', 'judge', 'expected', 'seed', 'rng', 'verdict'}))\n"

@@ -51,6 +51,7 @@ solve: $(READY) ## write solved notebooks into solved/
 
 bench: $(BENCH_READY) ## compare the speed with other libraries (installs them, takes minutes)
 	$(BIN)/python benchmarks/halfedge.py
+	$(BIN)/python benchmarks/registration.py
 
 clean: ## remove .venv and everything that was built; keeps grades/, solved/ and the notebooks
 	rm -rf $(VENV) build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis

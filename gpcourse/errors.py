@@ -11,7 +11,10 @@ The tree::
     │   │   └── HalfedgeError                 half-edge records contradict each other
     │   ├── DegenerateFaceError               a face without area
     │   ├── FlipError                         this edge must not be flipped
-    │   └── OffFormatError                    the text is not an OFF file
+    │   ├── SingularSystemError               a linear system without exactly one solution
+    │   ├── OffFormatError                    the text is not an OFF file
+    │   └── PlyFormatError                    the file is not a PLY file, or it is damaged
+    ├── DataError                             data made by others is not here, or damaged
     ├── ExerciseError                         no such exercise, or one that is declared badly
     ├── NotebookError                         a notebook that cannot be read or filled in
     ├── WireError                             a message between processes that is not ours
@@ -62,12 +65,24 @@ class FlipError(GeometryError):
     """An edge that must not be flipped."""
 
 
+class SingularSystemError(GeometryError):
+    """A linear system that does not have exactly one solution, mostly because nothing is fixed."""
+
+
 class OffFormatError(GeometryError):
     """A text that is not an OFF file. `line` is the number of the offending line, from 1."""
 
     def __init__(self, line: int, message: str) -> None:
         super().__init__(f"line {line}: {message}")
         self.line = line
+
+
+class PlyFormatError(GeometryError):
+    """A file that is not a PLY file, or is damaged."""
+
+
+class DataError(GpcourseError):
+    """Data made by others cannot be fetched, or is not what it should be."""
 
 
 class ExerciseError(GpcourseError):

@@ -12,6 +12,7 @@ import click
 
 from gpcourse import __version__
 from gpcourse.cli.course import check, exercises, solve
+from gpcourse.cli.data import data
 from gpcourse.cli.doctor import doctor
 from gpcourse.cli.grade import grade
 from gpcourse.cli.lab import lab
@@ -43,5 +44,5 @@ def main() -> None:
     """A course companion for geometry processing."""
 
 
-for _command in (lab, check, solve, exercises, grade, doctor):
+for _command in (lab, check, solve, exercises, grade, data, doctor):
     main.add_command(_command)

@@ -24,6 +24,7 @@ _NEEDED = [
     "jinja2",
     "click",
     "rich",
+    "pooch",
 ]
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "firefox")
 

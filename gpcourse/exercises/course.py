@@ -40,6 +40,8 @@ class Chapter:
 CHAPTERS = (
     Chapter(0, "welcome", "Welcome"),
     Chapter(1, "halfedge", "Half-edge meshes"),
+    Chapter(2, "registration", "Registration"),
+    Chapter(6, "smoothing", "Smoothing"),
 )
 
 

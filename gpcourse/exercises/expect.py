@@ -8,6 +8,7 @@ anything else, whatever the value is.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
@@ -70,12 +71,15 @@ def that(holds: object, message: str, **details: Any) -> None:
 
 
 def _refuse(what: str, wanted: str, value: object, on: str) -> NoReturn:
-    raise Wrong(f"{what} should be {wanted}; it is a {type(value).__name__}.", yours=brief(value), on=on)
+    kind = type(value).__name__
+    article = "an" if kind[:1].lower() in "aeiou" else "a"
+    hint = " Make a list of it with list(…)." if hasattr(value, "__next__") else ""
+    raise Wrong(f"{what} should be {wanted}; it is {article} {kind}.{hint}", yours=brief(value), on=on)
 
 
 def boolean(value: object, what: str = "The result", *, on: str = "") -> bool:
-    """Expect True or False; numpy's own are as good."""
-    if isinstance(value, (bool, np.bool_)):
+    """Expect True or False; numpy's own are as good, and so are 1 and 0."""
+    if isinstance(value, (bool, np.bool_, int, np.integer)) and value in (0, 1):
         return bool(value)
     if value is None:
         raise Wrong(f"{what} is None: is a `return` missing?", on=on)
@@ -86,7 +90,7 @@ def number(value: object, what: str = "The result", *, on: str = "") -> float:
     """Expect one finite real number; an array of one element is as good."""
     if value is None:
         raise Wrong(f"{what} is None: is a `return` missing?", on=on)
-    numbers = _array(value, what, "one number", on)
+    numbers = _array(float(value) if isinstance(value, Fraction) else value, what, "one number", on)
     if numbers.size != 1 or numbers.dtype.kind not in "iuf":
         raise Wrong(f"{what} should be one number; it has shape {numbers.shape}.", yours=brief(value), on=on)
     result = float(numbers.reshape(()))

@@ -199,48 +199,63 @@ def _run(check: Check, asked: Asked, seed: int) -> CheckResult:
 def name_mistakes(exercise: Exercise, results: list[CheckResult]) -> list[CheckResult]:
     """Give each failed check the known mistake that explains it, where there is one.
 
-    A mistake explains a check when it answers every question of that check as the student did. If
-    several do, the one that explains most of the other checks too is named.
+    A mistake explains a check when it answers every question of that check, and of the checks that
+    passed, as the student did, and one question of that check otherwise than the reference. If several do,
+    the one that explains most of the other checks too is named.
     """
+    ours = [exercise.reference, *(mistake.function for mistake in exercise.mistakes)]
 
     @cache
-    def explains(m: int, r: int) -> bool:
-        mistake = exercise.mistakes[m]
-        return all(_agrees(exercise, mistake, question) for question in results[r].questions)
+    def answer(m: int, r: int, q: int) -> Answer:
+        question = results[r].questions[q]
+        return call(ours[m], question.arguments, exercise.time_limit, ours=True)
 
+    def alike(a: Answer, b: Answer, r: int, q: int) -> bool:
+        return _alike(exercise, results[r].questions[q].arguments, a, b)
+
+    @cache
+    def agrees(m: int, r: int) -> bool:
+        # Bad input that was not refused: what is returned for it means nothing.
+        return all(
+            alike(theirs := question.answer, mine := answer(m, r, q), r, q)
+            or (theirs.status == mine.status == "returned" and answer(0, r, q).status == "raised")
+            for q, question in enumerate(results[r].questions)
+        )
+
+    def errs(m: int, r: int) -> bool:
+        return any(
+            not alike(answer(m, r, q), answer(0, r, q), r, q) for q in range(len(results[r].questions))
+        )
+
+    passed = [r for r, result in enumerate(results) if result.outcome == "passed"]
     named = list(results)
     for i, result in enumerate(results):
         if result.outcome in ("passed", "grader fault") or not result.questions:
             continue
-        candidates = [m for m in range(len(exercise.mistakes)) if explains(m, i)]
-        if len(candidates) > 1:
-            candidates.sort(key=lambda m: -sum(explains(m, r) for r in range(len(results))))
-        if candidates:
-            named[i] = replace(result, mistake=exercise.mistakes[candidates[0]])
+        found = [
+            m
+            for m in range(1, len(ours))
+            if agrees(m, i) and errs(m, i) and all(agrees(m, r) for r in passed)
+        ]
+        if len(found) > 1:
+            found.sort(key=lambda m: -sum(agrees(m, r) for r in range(len(results))))
+        if found:
+            named[i] = replace(result, mistake=exercise.mistakes[found[0] - 1])
     return named
 
 
-def _agrees(exercise: Exercise, mistake: Mistake, question: Question) -> bool:
-    """Tell whether a mistake answers a question as the student did."""
-    theirs = question.answer
-    mine = call(mistake.function, question.arguments, exercise.time_limit, ours=True)
-    if mine.status != theirs.status:
+def _alike(exercise: Exercise, arguments: tuple[Any, ...], a: Answer, b: Answer) -> bool:
+    """Tell whether two answers to one question are the same."""
+    if a.status != b.status:
         return False
-    if mine.status == "raised":
-        return _builtin(mine.trouble) == _builtin(theirs.trouble)
-    if mine.status != "returned":
+    if a.status == "raised":
+        return _builtin(a.trouble) == _builtin(b.trouble)
+    if a.status != "returned":
         return True
     try:
-        a = exercise.canonical(question.arguments, theirs.value)
-        b = exercise.canonical(question.arguments, mine.value)
-        alike = same(a, b, AGREE)
+        return same(exercise.canonical(arguments, a.value), exercise.canonical(arguments, b.value), AGREE)
     except Exception:  # noqa: BLE001  # a student's value of any kind may not fit the canonical form
-        alike = False
-    # Bad input that was not refused: what is returned for it means nothing.
-    return (
-        alike
-        or call(exercise.reference, question.arguments, exercise.time_limit, ours=True).status == "raised"
-    )
+        return False
 
 
 def _builtin(trouble: Trouble | None) -> str:

@@ -45,9 +45,9 @@ def as_points(value: object, name: str = "points", *, dimension: int | None = 3)
         raise ArrayError(f"{name} cannot be read as numbers; give an (n, {wanted}) float array") from None
     if points.ndim != 2 or (dimension is not None and points.shape[1] != dimension):
         raise ArrayError(f"{name} has shape {points.shape}; give an (n, {wanted}) array")
-    finite = np.isfinite(points).all(axis=1)
-    if not finite.all():
-        row = int(np.argmin(finite))
+    finite = np.isfinite(points)
+    if not finite.all():  # row by row only where there is one to find, which is ten times slower
+        row = int(np.argmin(finite.all(axis=1)))
         raise ArrayError(f"{name}[{row}] is {points[row]}; every coordinate must be finite")
     return points
 

@@ -81,10 +81,10 @@ def read_folder(folder: Path) -> list[Submission]:
     for entry in sorted(folder.iterdir()):
         if _hidden(entry):
             continue
-        if entry.is_dir() and not entry.is_symlink():
-            found = sorted(_notebooks_in(entry))
-            if found or _is_empty(entry):
-                files.setdefault(entry.name, []).extend(found)
+        if entry.is_dir():
+            # A folder without a notebook is a student too: a row says that there is nothing to grade.
+            found = [] if entry.is_symlink() else sorted(_notebooks_in(entry))
+            files.setdefault(entry.name, []).extend(found)
         elif entry.suffix.lower() in SUFFIXES:
             files.setdefault(entry.stem, []).append(entry)
     if not files:
@@ -96,11 +96,6 @@ def read_folder(folder: Path) -> list[Submission]:
 
 def _hidden(path: Path) -> bool:
     return path.name.startswith((".", "__"))
-
-
-def _is_empty(folder: Path) -> bool:
-    """Tell whether a folder holds no files, so that it is a student who handed in nothing."""
-    return not any(path.is_file() for path in folder.rglob("*"))
 
 
 def _notebooks_in(folder: Path) -> Iterator[Path]:

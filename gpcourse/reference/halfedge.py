@@ -431,14 +431,14 @@ def flip_edge(mesh: HalfedgeMesh, h: int) -> HalfedgeMesh:
     Parameters
     ----------
     mesh : HalfedgeMesh
-        Is not changed.
+        Is not changed: work on ``mesh.copy()``.
     h : int
         A half-edge whose edge is flippable.
 
     Returns
     -------
     HalfedgeMesh
-        With the same numbers of vertices, faces and half-edges; `h` and its twin are the new edge.
+        With the same numbers of vertices, faces and half-edges, numbered in any way.
 
     Raises
     ------

@@ -150,3 +150,33 @@ def test_inputs_changed_in_place_are_reported_and_do_no_harm():
 def test_a_claim_cannot_be_declared_twice(exercise):
     with pytest.raises(ExerciseError, match="declared twice"):
         exercise.check("small numbers")(lambda f, rng: None)
+
+
+def test_a_mistake_that_errs_nowhere_in_a_check_does_not_explain_it(exercise):
+    def vague(x):
+        if x < 0:
+            raise ValueError("no")  # right to refuse, but it does not say where
+        return 2 * x
+
+    verdict = judge(exercise, ask_here(vague), 0)
+    assert verdict.outcome == "failed"
+    assert verdict.mistakes == ()
+
+
+def test_a_mistake_that_would_spoil_a_passed_check_is_not_named():
+    made = Exercise(double, notes="here", hints=["think"])
+
+    @made.check("one")
+    def _(f, rng):
+        expect.close(expect.number(f(1.0)), 2.0, 0.0, "The double")
+
+    @made.check("two")
+    def _(f, rng):
+        expect.close(expect.number(f(3.0)), 6.0, 0.0, "The double")
+
+    @made.mistake("nine was returned", hint="Is it always nine?")
+    def _(x):
+        return 9.0
+
+    assert judge(made, ask_here(lambda x: 9.0), 0).mistakes
+    assert judge(made, ask_here(lambda x: 9.0 if x == 3 else 2 * x), 0).mistakes == ()

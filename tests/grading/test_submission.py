@@ -119,8 +119,19 @@ def test_links_out_of_the_folder_are_not_followed(tmp_path):
     (tmp_path / "class" / "mal").symlink_to(tmp_path)
     (tmp_path / "class" / "eve" / "a.ipynb").symlink_to(tmp_path / "secret.ipynb")
     submissions = read_folder(tmp_path / "class")
-    assert [s.student for s in submissions] == ["ada"]
+    assert [s.student for s in submissions] == ["ada", "eve", "mal"]
+    assert not any(s.readable for s in submissions)
     assert "link" in submissions[0].notes[0]
+
+
+def test_a_folder_without_a_notebook_has_a_row(tmp_path):
+    for name in ("essay.pdf", "notes.txt"):
+        (tmp_path / "ida").mkdir(exist_ok=True)
+        (tmp_path / "ida" / name).write_text("no notebook")
+    (tmp_path / "jo" / ".ipynb_checkpoints").mkdir(parents=True)
+    (tmp_path / "jo" / ".ipynb_checkpoints" / "1-checkpoint.ipynb").write_text(notebook(SOURCE))
+    submissions = read_folder(tmp_path)
+    assert [(s.student, s.readable) for s in submissions] == [("ida", False), ("jo", False)]
 
 
 def test_a_folder_without_submissions_is_refused(tmp_path):

@@ -374,7 +374,7 @@ def _(f: Asked, rng: Rng) -> None:
         right = np.abs((sides * np.roll(sides, -1, axis=0)).sum(axis=1)) <= 1e-6 * length**2
         expect.that(
             length > 0 and equal.all() and right.all(),
-            f"Face {i} is not a square of the size of face 0.",
+            f"Face {i} is not a square with sides {length:.3g}, as long as the first side of face 0.",
             yours=expect.brief(corners),
         )
 

@@ -213,9 +213,13 @@ EULER_CHARACTERISTIC = Exercise(
 )
 
 
-def _expect_number(f: Asked, mesh: HalfedgeMesh, want: int, what: str, on: str) -> None:
-    mine = expect.integer(f(mesh), what, on=on)
-    expect.that(mine == want, f"{what} is not right.", yours=str(mine), truth=str(want), on=on)
+def _expect_numbers(f: Asked, what: str, questions: list[tuple[HalfedgeMesh, int, str]]) -> None:
+    """Ask all questions before the first answer is judged: one number alone fits several mistakes."""
+    answers = [f(mesh) for mesh, _, _ in questions]
+    for i, (answer, (_, want, on)) in enumerate(zip(answers, questions, strict=True)):
+        f.about = i
+        mine = expect.integer(answer, what, on=on)
+        expect.that(mine == want, f"{what} is not right.", yours=str(mine), truth=str(want), on=on)
 
 
 def _euler(faces: FaceLists) -> int:
@@ -228,18 +232,22 @@ _CHI = "The Euler characteristic"
 
 @EULER_CHARACTERISTIC.check("closed surfaces: sphere, torus, double torus")
 def _(f: Asked, rng: Rng) -> None:
-    for shape, want in (
-        (shapes.icosahedron(), 2),
-        (shapes.torus(5, 4, quads=True), 0),
-        (shapes.genus_surface(2), -2),
-    ):
-        _expect_number(f, mesh_of(shapes.shuffled(shape, rng), rng), want, _CHI, f"{shape!r}")
+    truths = (
+        (shapes.icosahedron(), 2, "a sphere"),
+        (shapes.torus(5, 4, quads=True), 0, "a torus of quads"),
+        (shapes.genus_surface(2), -2, "a double torus"),
+    )
+    _expect_numbers(f, _CHI, [(mesh_of(shapes.shuffled(s, rng), rng), chi, on) for s, chi, on in truths])
 
 
 @EULER_CHARACTERISTIC.check("surfaces with holes")
 def _(f: Asked, rng: Rng) -> None:
-    for shape in (shapes.disc(2), shapes.annulus(), bounded_triangles(rng)):
-        _expect_number(f, mesh_of(shape, rng), _euler(face_lists(shape)), _CHI, f"{shape!r}")
+    surfaces = (
+        (shapes.disc(2), "a disc"),
+        (shapes.annulus(), "an annulus"),
+        (bounded_triangles(rng), "a torus with two holes"),
+    )
+    _expect_numbers(f, _CHI, [(mesh_of(s, rng), _euler(face_lists(s)), on) for s, on in surfaces])
 
 
 @EULER_CHARACTERISTIC.check("several components, and vertices that belong to no face")
@@ -247,7 +255,7 @@ def _(f: Asked, rng: Rng) -> None:
     both = shapes.union(shapes.octahedron(), shapes.disc(2))
     vertices, faces, _ = with_isolated_vertices(both, rng)
     mesh = renumbered(reference.halfedge_mesh(vertices, faces), rng)
-    _expect_number(f, mesh, 3, _CHI, "an octahedron, a disc and three isolated vertices")
+    _expect_numbers(f, _CHI, [(mesh, 3, "an octahedron, a disc and three isolated vertices")])
 
 
 @EULER_CHARACTERISTIC.variant("from unique edges")
@@ -323,32 +331,28 @@ _G = "The genus"
 
 @GENUS.check("closed surfaces: sphere, torus, double and triple torus")
 def _(f: Asked, rng: Rng) -> None:
-    for shape, g in (
-        (shapes.icosahedron(), 0),
-        (shapes.torus(5, 4), 1),
-        (shapes.genus_surface(2), 2),
-        (shapes.genus_surface(3), 3),
-    ):
-        _expect_number(f, mesh_of(shapes.shuffled(shape, rng), rng), g, _G, f"{shape!r}")
+    surfaces = (shapes.icosahedron(), shapes.torus(5, 4), shapes.genus_surface(2), shapes.genus_surface(3))
+    meshes = [mesh_of(shapes.shuffled(shape, rng), rng) for shape in surfaces]
+    _expect_numbers(f, _G, [(mesh, g, f"closed surface {g + 1} of 4") for g, mesh in enumerate(meshes)])
 
 
 @GENUS.check("surfaces with holes")
 def _(f: Asked, rng: Rng) -> None:
-    for shape in (shapes.disc(2), shapes.annulus()):
-        _expect_number(f, mesh_of(shape, rng), 0, _G, f"{shape!r}")
+    flat = [(mesh_of(shapes.disc(2), rng), 0, "a disc"), (mesh_of(shapes.annulus(), rng), 0, "an annulus")]
     torus = shapes.torus(6, 5)
     faces = face_lists(torus)
     mesh = mesh_of(shapes.Shape("torus with a hole", torus.vertices, np.array(faces[1:])), rng)
-    _expect_number(f, mesh, 1, _G, "a torus with one triangle taken out")
+    _expect_numbers(f, _G, [*flat, (mesh, 1, "a torus with one triangle taken out")])
 
 
 @GENUS.check("several components, open and closed")
 def _(f: Asked, rng: Rng) -> None:
     both = shapes.union(shapes.torus(5, 4), shapes.torus(4, 5), shapes.disc(2))
-    _expect_number(f, mesh_of(shapes.shuffled(both, rng), rng), 2, _G, "two tori and a disc")
+    first = mesh_of(shapes.shuffled(both, rng), rng)
     vertices, faces, _ = with_isolated_vertices(shapes.union(shapes.octahedron(), shapes.torus(5, 4)), rng)
     mesh = renumbered(reference.halfedge_mesh(vertices, faces), rng)
-    _expect_number(f, mesh, 1, _G, "an octahedron, a torus and three isolated vertices")
+    second = "an octahedron, a torus and three isolated vertices"
+    _expect_numbers(f, _G, [(first, 2, "two tori and a disc"), (mesh, 1, second)])
 
 
 def _components(mesh: HalfedgeMesh) -> list[set[int]]:
@@ -481,8 +485,20 @@ def _(f: Asked, rng: Rng) -> None:
     _expect_statistics(f, mesh, faces, "a disc and three isolated vertices")
 
 
+@ELEMENT_STATISTICS.check("refuses a mesh without faces")
+def _(f: Asked, rng: Rng) -> None:
+    empty = reference.halfedge_mesh(rng.normal(size=(3, 3)), [])
+    expect.refusal(f, empty, because="the mesh has no faces, so that the ratios are 0/0", on="no faces")
+
+
+def _refuse_empty(mesh: HalfedgeMesh) -> None:
+    if mesh.n_faces == 0:
+        raise ValueError("the mesh has no faces")
+
+
 @ELEMENT_STATISTICS.variant("the valences counted one by one")
 def _(mesh: HalfedgeMesh) -> Any:
+    _refuse_empty(mesh)
     used = [v for v in range(mesh.n_vertices) if mesh.vertex_halfedge[v] != NONE]
     valences = [len(reference.vertex_neighbours_ccw(mesh, v)) for v in used]
     V, E, F = len(used), len({frozenset((h, int(t))) for h, t in enumerate(mesh.twin)}), mesh.n_faces
@@ -509,6 +525,7 @@ def _statistics(V: int, E: int, F: int, **other: float) -> dict[str, float]:
 def _declare(name: str, hint: str, change: Callable[[HalfedgeMesh, int, int, int], dict[str, float]]) -> None:
     @ELEMENT_STATISTICS.mistake(name, hint=hint)
     def _(mesh: HalfedgeMesh) -> Any:
+        _refuse_empty(mesh)
         return change(mesh, *_count(mesh))
 
 
@@ -532,6 +549,16 @@ _declare(
     "Which half-edges carry the face -1, and is that a face?",
     lambda mesh, V, E, F: _statistics(V, E, F + len(reference.boundary_loops(mesh))),
 )
+
+
+@ELEMENT_STATISTICS.mistake(
+    "a mesh without faces was not refused",
+    hint="What is F/V of a mesh that has neither faces nor used vertices?",
+)
+def _(mesh: HalfedgeMesh) -> Any:
+    return reference.element_statistics(mesh) if mesh.n_faces else dict.fromkeys(_KEYS, 0.0)
+
+
 _declare(
     "the ratios are upside down",
     "F/V says how many faces there are for each vertex.",

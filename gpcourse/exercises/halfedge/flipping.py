@@ -335,16 +335,18 @@ def _(f: Asked, rng: Rng) -> None:
 def _(f: Asked, rng: Rng) -> None:
     mesh = mesh_of(shapes.tetrahedron(), rng)
     h = int(rng.integers(mesh.n_halfedges))
-    expect.refusal(f, mesh, h, because="the new edge exists already", on=f"half-edge {h} of a tetrahedron")
+    expect.refusal(
+        f, mesh, h, because="the new edge exists already", naming=[[h]], on=f"half-edge {h} of a tetrahedron"
+    )
     mesh = mesh_of(shapes.shuffled(shapes.disc(2), rng), rng)
     h = int(rng.choice(np.flatnonzero(mesh.face == HOLE)))
-    expect.refusal(f, mesh, h, because="the edge lies at a hole", on=f"half-edge {h} of a disc")
+    expect.refusal(f, mesh, h, because="the edge lies at a hole", naming=[[h]], on=f"half-edge {h} of a disc")
 
 
 def _flip(mesh: HalfedgeMesh, h: int, *, leave_out: str = "", legal: bool = True) -> HalfedgeMesh:
     """Flip with the notes' lines written out; `leave_out` names records that are not repaired."""
     if legal and not reference.is_flippable(mesh, h):
-        raise ValueError(f"half-edge {h} must not be flipped")
+        raise ValueError(f"half-edges {h} and {mesh.twin[h]} must not be flipped")
     m = mesh.copy()
     t = int(m.twin[h])
     a, b, c, d = int(m.next[h]), int(m.prev[h]), int(m.next[t]), int(m.prev[t])

@@ -1,0 +1,458 @@
+"""The exercise on iterative closest points. It is judged by the pose, not only by where the points are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from gpcourse.exercises import expect
+from gpcourse.exercises.exercise import Exercise
+from gpcourse.exercises.judging import Asked
+from gpcourse.exercises.registration import pictures
+from gpcourse.exercises.registration.inputs import (
+    Motion,
+    Rng,
+    Surface,
+    angle_between,
+    brute_force,
+    inverse,
+    landscape,
+    motion,
+    moved,
+    parts,
+    random_motion,
+    random_turn,
+    random_waves,
+    turn,
+)
+from gpcourse.exercises.registration.rigid import best_motion, plane_motion
+from gpcourse.geometry.arrays import FloatArray
+from gpcourse.reference import registration as reference
+
+
+def _as_pose(arguments: tuple[Any, ...], value: Any) -> FloatArray:
+    """Canonical form: the pose, and the loss at the start, all to about 1e-6.
+
+    The large last number sets the scale on which answers are compared. Rounding grows over the iterations,
+    and a loop may run once more or less near its end; both change much less than a wrong step does.
+    """
+    R, t, history = value
+    numbers = [np.ravel(R), np.ravel(t), [float(history[0]), float(len(history) == arguments[3]), 100.0]]
+    return np.concatenate([np.asarray(part, dtype=float) for part in numbers])
+
+
+ICP = Exercise(
+    reference.icp,
+    notes="ch. 2, Iterative Closest Points",
+    hints=[
+        "Each iteration: move, match, reject, minimise. You have functions for the last three.",
+        "Where is the source after two steps? Write R₂(R₁x + t₁) + t₂ as one motion.",
+        "The target stays. What need not be done again in each iteration?",
+        "When has an iteration changed nothing? A motion has two parts, and both may be at work.",
+    ],
+    canonical=_as_pose,
+    time_limit=6.0,
+)
+
+Result = tuple[FloatArray, FloatArray, FloatArray]
+
+
+def _result(value: object, most: int, on: str) -> Result:
+    R, t, history = parts(value, 3, "three things (R, t, history)", on=on)
+    pose = motion((R, t), on=on)
+    losses = expect.array(history, (None,), "The history", on=on)
+    expect.that(len(losses) >= 1, "The history is empty: it should hold the loss of each iteration.", on=on)
+    message = f"The history has {len(losses)} entries; at most {most} iterations were asked for."
+    expect.that(len(losses) <= most, message, on=on)
+    return *pose, losses
+
+
+def _expect_pose(
+    mine: Result, want: Motion, source: FloatArray, target: FloatArray, tolerance: float, on: str
+) -> None:
+    """Expect the rotation within `tolerance`, in radians, and points within three times that, in length."""
+    R, t, _ = mine
+    details: dict[str, Any] = {"on": on, "picture": pictures.of_alignment(target, source, R, t)}
+    angle = angle_between(R, want[0])
+    expect.that(
+        angle <= tolerance,
+        "The rotation of the pose is not right: R and t together should move the source, as it was given, "
+        "onto the target.",
+        yours=f"{np.degrees(angle):.3g}° off",
+        truth=f"within {np.degrees(tolerance):.2g}°",
+        **details,
+    )
+    off = float(np.linalg.norm(moved(source, R, t) - moved(source, *want), axis=1).max())
+    expect.that(
+        off <= 3 * tolerance,
+        "The rotation is right, but the translation puts the source in the wrong place.",
+        yours=f"{off:.3g} off",
+        truth=f"within {3 * tolerance:.2g}",
+        **details,
+    )
+
+
+def _nudge(rng: Rng, angle: float, shift: float) -> Motion:
+    """Return a small motion; about a point that is not the origin, as everywhere below."""
+    direction = rng.normal(size=3)
+    return random_turn(rng, angle), shift * direction / np.linalg.norm(direction)
+
+
+def _displaced(
+    rng: Rng, points: FloatArray, angle: float, shift: float, centre: FloatArray
+) -> tuple[FloatArray, Motion]:
+    """Move points a little about `centre`; return them and the motion that takes them back."""
+    R, t = _nudge(rng, angle, shift)
+    t = t + centre - R @ centre
+    return moved(points, R, t), inverse(R, t)
+
+
+def _scans(rng: Rng, n: int) -> tuple[FloatArray, FloatArray]:
+    """Return a hilly cloud in some place, and its middle."""
+    R, t = random_motion(rng, 2.0)
+    surface = landscape(rng, n).moved(R, t)
+    return surface.points, surface.points.mean(axis=0)
+
+
+@ICP.check("one iteration is the best motion for the nearest points")
+def _(f: Asked, rng: Rng) -> None:
+    target, middle = _scans(rng, 81)
+    source, _ = _displaced(rng, target[rng.choice(81, 50, replace=False)], 0.2, 0.1, middle)
+    value = f(source, target, None, 1, 0.0)
+    on = "one iteration, 50 points onto 81"
+    mine = _result(value, 1, on)
+    distances = brute_force(target, source)
+    want = best_motion(target[distances.argmin(axis=1)], source)
+    _expect_pose(mine, want, source, target, 1e-6, on)
+    loss = float(np.sqrt((distances.min(axis=1) ** 2).mean()))
+    what = "The loss of the first iteration, the root mean square distance of the pairs before the step,"
+    expect.close(float(mine[2][0]), loss, 1e-6 * loss, what, on=on)
+
+
+@ICP.check("the pose of a scan is found, exactly without noise", points=2)
+def _(f: Asked, rng: Rng) -> None:
+    cases = []
+    for _ in range(2):
+        target, middle = _scans(rng, 100)
+        source, want = _displaced(rng, target[rng.choice(100, 75, replace=False)], 0.12, 0.06, middle)
+        cases.append((source, target, want, f(source, target, None, 25, 1e-12)))
+    for source, target, want, value in cases:
+        on = "75 points of 100, turned by 7°"
+        # Once all pairs are right the next step is exact.
+        _expect_pose(_result(value, 25, on), want, source, target, 1e-6, on)
+
+
+@ICP.check("partial overlap, trimmed", points=2)
+def _(f: Asked, rng: Rng) -> None:
+    R, t = random_motion(rng, 2.0)
+    flat = landscape(rng, 144)
+    x = flat.points[:, 0]
+    whole = flat.moved(R, t)
+    target = whole.points[x < 0.55]
+    source, want = _displaced(rng, whole.points[x > -0.75], 0.06, 0.03, whole.points.mean(axis=0))
+    value = f(source, target, None, 35, 1e-12, 0.65)
+    on = "two scans that overlap in three quarters, keep = 0.65"
+    _expect_pose(_result(value, 35, on), want, source, target, 1e-6, on)
+
+
+@ICP.check("outliers, rejected by distance")
+def _(f: Asked, rng: Rng) -> None:
+    target, middle = _scans(rng, 100)
+    chosen = target[rng.choice(100, 70, replace=False)]
+    away = rng.normal(size=3)
+    chosen[:15] += (0.9 + rng.uniform(0, 1, size=(15, 1))) * away / np.linalg.norm(away)
+    far = brute_force(target, chosen).min(axis=1)
+    chosen = chosen[(far < 1e-9) | (far > 0.6)]
+    source, want = _displaced(rng, chosen, 0.08, 0.04, middle)
+    value = f(source, target, None, 25, 1e-12, 1.0, 0.4)
+    on = f"{len(source)} points with outliers, max_distance = 0.4"
+    _expect_pose(_result(value, 25, on), want, source, target, 1e-6, on)
+
+
+@ICP.check("noise on both scans")
+def _(f: Asked, rng: Rng) -> None:
+    target, middle = _scans(rng, 100)
+    source, want = _displaced(rng, target, 0.08, 0.04, middle)
+    source, target = (
+        source + 0.006 * rng.normal(size=source.shape),
+        target + 0.006 * rng.normal(size=target.shape),
+    )
+    value = f(source, target, None, 25, 1e-12)
+    on = "100 points with noise of 0.006, turned by 5°"
+    # 100 pairs with noise 0.006 √2 fix the turn to about 0.0015 and the place to 0.0009.
+    _expect_pose(_result(value, 25, on), want, source, target, 0.008, on)
+
+
+def _corner(rng: Rng) -> tuple[Surface, FloatArray]:
+    """Return a fine grid on three walls of a room, and other points on the walls, away from the edges."""
+    u, v = (a.ravel() for a in np.meshgrid(*2 * [np.linspace(0, 1, 9)]))
+    points, normals, others = [], [], []
+    for axis in range(3):
+        points.append(np.insert(np.column_stack([u, v]), axis, 0.0, axis=1))
+        normals.append(np.tile(np.eye(3)[axis], (len(u), 1)))
+        others.append(np.insert(rng.uniform(0.35, 0.9, size=(14, 2)), axis, 0.0, axis=1))
+    return Surface(np.concatenate(points), np.concatenate(normals)), np.concatenate(others)
+
+
+@ICP.check("with normals: other points on the same walls", points=2)
+def _(f: Asked, rng: Rng) -> None:
+    walls, others = _corner(rng)
+    R, t = random_motion(rng, 2.0)
+    room = walls.moved(R, t)
+    order = rng.permutation(len(room.points))
+    room = room.part(order)
+    source, want = _displaced(rng, moved(others, R, t), 0.08, 0.05, room.points.mean(axis=0))
+    value = f(source, room.points, room.normals, 8, 0.0)
+    on = "42 points on three walls, onto other points on the walls, with normals"
+    # Whichever point of its wall is nearest, the plane is the same: the error is squared in each step.
+    _expect_pose(_result(value, 8, on), want, source, room.points, 1e-6, on)
+
+
+@ICP.check("it stops when the loss no longer changes, and not before", points=2)
+def _(f: Asked, rng: Rng) -> None:
+    # Opposite points: their centroid stays at the origin, and a turn about it shifts nothing.
+    waves = random_waves(rng) * [1, 1, 1, 0]
+    half = landscape(rng, 64, waves).points
+    target = np.concatenate([half, -half]) @ random_turn(rng).T
+    want = turn(rng.normal(size=3), 0.16), np.zeros(3)
+    source = moved(target, *inverse(*want))
+    value = f(source, target, None, 30, 1e-9)
+    on = "a cloud symmetric about the origin, turned about it by 9°"
+    mine = _result(value, 30, on)
+    _expect_pose(mine, want, source, target, 1e-6, on)
+    expect.that(
+        len(mine[2]) < 30,
+        "The loss stopped changing long ago, and the loop went on to the last iteration.",
+        yours=f"{len(mine[2])} iterations",
+        truth="fewer than 30",
+        on=on,
+    )
+
+
+# Solutions --------------------------------------------------------------------------------------
+
+
+class _Loop:
+    """An ICP with the places where students go wrong left open; each mistake overrides one."""
+
+    def accumulate(self, R: FloatArray, t: FloatArray, step: FloatArray, shift: FloatArray) -> Motion:
+        return step @ R, step @ t + shift
+
+    def kept(self, distances: FloatArray, keep: float, max_distance: float) -> Any:
+        return (distances <= np.quantile(distances, keep)) & (distances <= max_distance)
+
+    def place(self, source: FloatArray, x: FloatArray, pose: Motion, step: Motion) -> FloatArray:
+        return moved(x, *step)
+
+    def normals_at(self, normals: FloatArray, index: Any, kept: Any) -> FloatArray:
+        chosen: FloatArray = normals[index[kept]]
+        return chosen
+
+    def minimise(self, p: FloatArray, q: FloatArray, n: FloatArray | None) -> Motion:
+        return best_motion(p, q) if n is None else plane_motion(p, q, n)
+
+    def done(self, history: list[float], step: Motion, tolerance: float) -> bool:
+        return history[-1] < tolerance or (len(history) > 1 and abs(history[-2] - history[-1]) < tolerance)
+
+    def loss(self, distances: FloatArray) -> float:
+        return float(np.sqrt((distances**2).mean()))
+
+    def result(self, pose: Motion, step: Motion) -> Motion:
+        return pose
+
+    def __call__(
+        self,
+        source: FloatArray,
+        target: FloatArray,
+        normals: FloatArray | None = None,
+        max_iterations: int = 50,
+        tolerance: float = 0.0,
+        keep: float = 1.0,
+        max_distance: float = np.inf,
+    ) -> Any:
+        pose: Motion = (np.eye(3), np.zeros(3))
+        step, x, history = pose, source, []
+        # ‖x − y‖² = ‖x‖² + ‖y‖² − 2x·y, of which ‖x‖² does not matter. Centred, nothing cancels.
+        centre = target.mean(axis=0)
+        squares = ((target - centre) ** 2).sum(axis=1)
+        for _ in range(max_iterations):
+            index = (squares - 2 * (x - centre) @ (target - centre).T).argmin(axis=1)
+            distances = np.linalg.norm(x - target[index], axis=1)
+            kept = self.kept(distances, keep, max_distance)
+            n = None if normals is None else self.normals_at(normals, index, kept)
+            step = self.minimise(target[index[kept]], x[kept], n)
+            pose = self.accumulate(*pose, *step)
+            x = self.place(source, x, pose, step)
+            history.append(self.loss(distances[kept]))
+            # A lost cloud flies off and overflows: it is lost already.
+            if self.done(history, step, tolerance) or not np.abs(x).max() < 1e6:
+                break
+        return *self.result(pose, step), history
+
+
+def _declare(solution: type[_Loop]) -> Callable[..., Any]:
+    loop = solution()
+
+    def icp(
+        source: FloatArray,
+        target: FloatArray,
+        normals: FloatArray | None = None,
+        max_iterations: int = 50,
+        tolerance: float = 0.0,
+        keep: float = 1.0,
+        max_distance: float = np.inf,
+    ) -> Any:
+        return loop(source, target, normals, max_iterations, tolerance, keep, max_distance)
+
+    return icp
+
+
+class _FromTheStart(_Loop):
+    def place(self, source: FloatArray, x: FloatArray, pose: Motion, step: Motion) -> FloatArray:
+        return moved(source, *pose)
+
+
+class _Homogeneous(_Loop):
+    """Poses as 4 × 4 matrices; trimming by sorting, rounded down; the motion read off the moved points."""
+
+    def kept(self, distances: FloatArray, keep: float, max_distance: float) -> Any:
+        order = np.argsort(distances)[: int(keep * len(distances) + 1e-9)]
+        return order[distances[order] <= max_distance]
+
+    def accumulate(self, R: FloatArray, t: FloatArray, step: FloatArray, shift: FloatArray) -> Motion:
+        before, after = np.eye(4), np.eye(4)
+        before[:3, :3], before[:3, 3] = R, t
+        after[:3, :3], after[:3, 3] = step, shift
+        both = after @ before
+        return both[:3, :3], both[:3, 3]
+
+    def result(self, pose: Motion, step: Motion) -> Any:
+        return pose[0].tolist(), pose[1][:, None]
+
+
+class _LastStep(_Loop):
+    def result(self, pose: Motion, step: Motion) -> Motion:
+        return step
+
+
+class _WrongOrder(_Loop):
+    def accumulate(self, R: FloatArray, t: FloatArray, step: FloatArray, shift: FloatArray) -> Motion:
+        return R @ step, R @ shift + t
+
+
+class _SummedShift(_Loop):
+    def accumulate(self, R: FloatArray, t: FloatArray, step: FloatArray, shift: FloatArray) -> Motion:
+        return step @ R, t + shift
+
+
+class _Backwards(_Loop):
+    def result(self, pose: Motion, step: Motion) -> Motion:
+        return inverse(*pose)
+
+
+class _NotMoved(_Loop):
+    def place(self, source: FloatArray, x: FloatArray, pose: Motion, step: Motion) -> FloatArray:
+        return source
+
+    def accumulate(self, R: FloatArray, t: FloatArray, step: FloatArray, shift: FloatArray) -> Motion:
+        return step, shift
+
+
+class _MovedTwice(_Loop):
+    def place(self, source: FloatArray, x: FloatArray, pose: Motion, step: Motion) -> FloatArray:
+        return moved(x, *pose)
+
+
+class _NotTrimmed(_Loop):
+    def kept(self, distances: FloatArray, keep: float, max_distance: float) -> Any:
+        return distances <= max_distance
+
+
+class _NotLimited(_Loop):
+    def kept(self, distances: FloatArray, keep: float, max_distance: float) -> Any:
+        return distances <= np.quantile(distances, keep)
+
+
+class _StopsOnShift(_Loop):
+    def done(self, history: list[float], step: Motion, tolerance: float) -> bool:
+        return bool(np.linalg.norm(step[1]) < tolerance)
+
+
+class _NeverStops(_Loop):
+    def done(self, history: list[float], step: Motion, tolerance: float) -> bool:
+        return False
+
+
+class _NoNormals(_Loop):
+    def minimise(self, p: FloatArray, q: FloatArray, n: FloatArray | None) -> Motion:
+        return best_motion(p, q)
+
+
+class _NormalsOfOthers(_Loop):
+    def normals_at(self, normals: FloatArray, index: Any, kept: Any) -> FloatArray:
+        chosen: FloatArray = normals[np.arange(len(index))[kept]]
+        return chosen
+
+
+class _MeanSquare(_Loop):
+    def loss(self, distances: FloatArray) -> float:
+        return float((distances**2).mean())
+
+
+ICP.variant("moving the source from the start, by the whole pose")(_declare(_FromTheStart))
+ICP.variant("4 × 4 matrices, trimmed by sorting, lists")(_declare(_Homogeneous))
+
+ICP.mistake(
+    "the last step was returned, not the whole motion",
+    hint="After the last iteration the steps are tiny. How far has the source come since the start?",
+)(_declare(_LastStep))
+ICP.mistake(
+    "the steps were multiplied in the wrong order",
+    hint="Write R₂(R₁x + t₁) + t₂ without brackets. Which rotation stands on the left?",
+)(_declare(_WrongOrder))
+ICP.mistake(
+    "the translations were added up without turning them",
+    hint="Write R₂(R₁x + t₁) + t₂ without brackets. What happens to t₁?",
+)(_declare(_SummedShift))
+ICP.mistake(
+    "the pose is the inverse one, which moves the target onto the source",
+    hint="Which cloud moves, and which one stays?",
+)(_declare(_Backwards))
+ICP.mistake(
+    "the source was not moved between the iterations",
+    hint="In the second iteration, from where does a point look for its nearest one?",
+)(_declare(_NotMoved))
+ICP.mistake(
+    "the whole pose was applied again to points that had been moved already",
+    hint="Move the source by the whole pose, or the moved points by the step. Which of them do you mix?",
+)(_declare(_MovedTwice))
+ICP.mistake(
+    "keep was not used",
+    hint="The part of the source outside the overlap has a nearest point too. What does it pull at?",
+)(_declare(_NotTrimmed))
+ICP.mistake(
+    "max_distance was not used",
+    hint="An outlier has a nearest point too. How far away is it?",
+)(_declare(_NotLimited))
+ICP.mistake(
+    "the loop stopped because ‖t‖ of a step was small, while the rotation was still at work",
+    hint="Turn a symmetric cloud about its centre: how long is t in each step?",
+)(_declare(_StopsOnShift))
+ICP.mistake(
+    "the tolerance was not used, and all iterations were made",
+    hint="Compare the last two entries of the history. When may you stop?",
+)(_declare(_NeverStops))
+ICP.mistake(
+    "the normals were not used",
+    hint="Two scans of a wall never have the same points. What may a point do along the wall?",
+)(_declare(_NoNormals))
+ICP.mistake(
+    "the normals were looked up with the numbers of the source points",
+    hint="A normal belongs to a point of the target. Which one is the partner of source point i?",
+)(_declare(_NormalsOfOthers))
+ICP.mistake(
+    "the loss is the mean of the squares, without the root",
+    hint="In which unit should the history be, when the points are in metres?",
+)(_declare(_MeanSquare))

@@ -1,0 +1,71 @@
+"""Chapter 6: the exercises, in the order of the notebook."""
+
+from gpcourse.exercises.smoothing.cells import (
+    BARYCENTRIC_AREAS,
+    MASS_MATRIX,
+    MIXED_AREAS,
+    VORONOI_AREAS,
+)
+from gpcourse.exercises.smoothing.curvature import (
+    ANGLE_DEFECT,
+    DISCRETE_GAUSSIAN_CURVATURE,
+    DISCRETE_MEAN_CURVATURE,
+    DISCRETE_PRINCIPAL_CURVATURES,
+    MEAN_CURVATURE_NORMAL,
+    MESH_QUALITY,
+)
+from gpcourse.exercises.smoothing.equations import HEAT_STEP, SOLVE_LAPLACE, SOLVE_POISSON
+from gpcourse.exercises.smoothing.fairing import (
+    DIRICHLET_ENERGY,
+    EULER_LAGRANGE_1D,
+    FAIR,
+    MEMBRANE_ENERGY,
+    THIN_PLATE_ENERGY,
+)
+from gpcourse.exercises.smoothing.flows import (
+    EXPLICIT_STEP,
+    IMPLICIT_STEP,
+    LINEAR_DIFFUSION,
+    MEAN_CURVATURE_FLOW,
+    STABLE_STEP,
+)
+from gpcourse.exercises.smoothing.operators import COTANGENT_MATRIX, LAPLACIAN, UNIFORM_LAPLACIAN
+from gpcourse.exercises.smoothing.spectrum import (
+    EIGENMODES,
+    SPECTRAL_COEFFICIENTS,
+    SPECTRAL_FILTER,
+    SPECTRAL_RECONSTRUCTION,
+)
+
+EXERCISES = (
+    UNIFORM_LAPLACIAN,
+    COTANGENT_MATRIX,
+    BARYCENTRIC_AREAS,
+    VORONOI_AREAS,
+    MIXED_AREAS,
+    MASS_MATRIX,
+    LAPLACIAN,
+    MEAN_CURVATURE_NORMAL,
+    DISCRETE_MEAN_CURVATURE,
+    ANGLE_DEFECT,
+    DISCRETE_GAUSSIAN_CURVATURE,
+    DISCRETE_PRINCIPAL_CURVATURES,
+    MESH_QUALITY,
+    SOLVE_LAPLACE,
+    SOLVE_POISSON,
+    HEAT_STEP,
+    EIGENMODES,
+    SPECTRAL_COEFFICIENTS,
+    SPECTRAL_RECONSTRUCTION,
+    SPECTRAL_FILTER,
+    EXPLICIT_STEP,
+    STABLE_STEP,
+    IMPLICIT_STEP,
+    LINEAR_DIFFUSION,
+    MEAN_CURVATURE_FLOW,
+    DIRICHLET_ENERGY,
+    MEMBRANE_ENERGY,
+    THIN_PLATE_ENERGY,
+    EULER_LAGRANGE_1D,
+    FAIR,
+)

@@ -1,0 +1,578 @@
+"""Exercises on flows: explicit and implicit steps, of functions and of the surface itself."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gpcourse.exercises import expect
+from gpcourse.exercises.exercise import Exercise
+from gpcourse.exercises.judging import Asked
+from gpcourse.exercises.smoothing import expecting, pictures, truths
+from gpcourse.exercises.smoothing.inputs import (
+    ITERATED,
+    SINGLE,
+    Rng,
+    bounded,
+    closed,
+    faces_of,
+    grid,
+    matrices,
+    patch,
+    sphere,
+    turned,
+)
+from gpcourse.geometry import shapes
+from gpcourse.geometry.arrays import FloatArray, IntArray
+from gpcourse.reference import smoothing as reference
+
+#: What solving may lose besides the last digits of single precision.
+SOLVED = 5 * SINGLE
+
+# Explicit ---------------------------------------------------------------------------------------
+
+EXPLICIT_STEP = Exercise(
+    reference.explicit_step,
+    notes="ch. 6 §13.4; coursework 2, question 5",
+    hints=[
+        "The notes give the step as one matrix that multiplies all positions.",
+        "You need not build that matrix: what does it do to the positions, written as a sum?",
+    ],
+)
+
+
+def _uniform(shape: shapes.Shape) -> Any:
+    """Return the sparse uniform Laplacian of a shape."""
+    from scipy import sparse
+
+    return sparse.csr_array(truths.mean_of_neighbours(faces_of(shape), len(shape.vertices)))
+
+
+def _cotangent(shape: shapes.Shape) -> Any:
+    """Return the sparse M⁻¹C of a shape."""
+    from scipy import sparse
+
+    return sparse.csr_array(truths.laplacian(shape.vertices, faces_of(shape)))
+
+
+@EXPLICIT_STEP.check(
+    "with the uniform Laplacian and a step of 1, every vertex goes to the mean of its neighbours"
+)
+def _(f: Asked, rng: Rng) -> None:
+    shape = bounded(rng)
+    value = f(shape.vertices, _uniform(shape), 1.0)
+    rings = truths.neighbours(faces_of(shape), len(shape.vertices))
+    truth = np.array([shape.vertices[sorted(ring)].mean(axis=0) for ring in rings])
+    expecting.positions(value, truth, shape, on="a mesh with holes")
+
+
+@EXPLICIT_STEP.check("a sphere of radius R shrinks by 2λ/R")
+def _(f: Asked, rng: Rng) -> None:
+    solids = (shapes.tetrahedron, shapes.octahedron, shapes.icosahedron)
+    R = float(rng.uniform(0.5, 2.0) * rng.choice([0.01, 100.0]))
+    solid = turned(shapes.shuffled(solids[int(rng.integers(3))](R), rng), rng)
+    lam = float(rng.uniform(0.05, 0.2) * R**2)
+    value = f(solid.vertices, _cotangent(solid), lam)
+    on = f"a regular {solid.name} on a sphere of radius {R:.3g}, λ = {lam / R**2:.3g} R²"
+    expecting.positions(value, (1 - 2 * lam / R**2) * solid.vertices, solid, on=on)
+
+
+@EXPLICIT_STEP.check("P + λLP, whatever the step", points=2)
+def _(f: Asked, rng: Rng) -> None:
+    shape = closed(rng)
+    L, steps = _uniform(shape), (0.0, float(rng.uniform(0.1, 0.9)), -0.25)
+    answers = [f(shape.vertices, L, lam) for lam in steps]
+    for value, lam in zip(answers, steps, strict=True):
+        # The mean over the neighbours has the weight λ, the vertex itself the rest.
+        mean = (truths.dense(L) + np.eye(len(shape.vertices))) @ shape.vertices
+        truth = (1 - lam) * shape.vertices + lam * mean
+        expecting.positions(value, truth, shape, on=f"a closed mesh, λ = {lam:.3g}")
+
+
+@EXPLICIT_STEP.variant("the matrix I + λL, dense")
+def _(vertices: FloatArray, L: Any, lam: float) -> Any:
+    return (np.eye(len(vertices)) + lam * truths.dense(L)) @ vertices
+
+
+@EXPLICIT_STEP.variant("vertex by vertex, as lists")
+def _(vertices: FloatArray, L: Any, lam: float) -> Any:
+    rows = truths.dense(L)
+    return [(x + lam * (row @ vertices)).tolist() for x, row in zip(vertices, rows, strict=True)]
+
+
+@EXPLICIT_STEP.mistake(
+    "the sign is the wrong way round: the mesh grows rough",
+    hint="Where does the uniform Laplacian of the positions point, seen from a peak?",
+)
+def _(vertices: FloatArray, L: Any, lam: float) -> Any:
+    return vertices - lam * (L @ vertices)
+
+
+@EXPLICIT_STEP.mistake("the step λ was not used", hint="What should a step of 0 do?")
+def _(vertices: FloatArray, L: Any, lam: float) -> Any:
+    return vertices + L @ vertices
+
+
+@EXPLICIT_STEP.mistake(
+    "the displacement was returned, without the positions",
+    hint="What should a step of 0 do?",
+)
+def _(vertices: FloatArray, L: Any, lam: float) -> Any:
+    return lam * (L @ vertices)
+
+
+@EXPLICIT_STEP.mistake(
+    "vertices use neighbours that have moved already",
+    hint="All vertices move at the same time. Which positions does the last one of your loop see?",
+)
+def _(vertices: FloatArray, L: Any, lam: float) -> Any:
+    moved, rows = vertices.copy(), truths.dense(L)
+    for i, row in enumerate(rows):
+        moved[i] += lam * (row @ moved)
+    return moved
+
+
+@EXPLICIT_STEP.mistake(
+    "the step is implicit",
+    hint="Does the explicit step solve a system?",
+)
+def _(vertices: FloatArray, L: Any, lam: float) -> Any:
+    return np.linalg.solve(np.eye(len(vertices)) - lam * truths.dense(L), vertices)
+
+
+# The bound --------------------------------------------------------------------------------------
+
+STABLE_STEP = Exercise(
+    reference.stable_step,
+    notes="ch. 6 §13.4",
+    hints=[
+        "By what does one explicit step multiply a mode with the eigenvalue λ_i?",
+        "That factor must not exceed 1 in size. Which mode breaks this first when the step grows?",
+        "The eigenvalues are those of M⁻¹C. Symmetrise it before you ask for the largest one.",
+    ],
+    time_limit=4.0,
+)
+
+
+def _expect_step(value: object, C: Any, M: Any, on: str) -> None:
+    truth = 2 / truths.modes(C, M)[0][-1]
+    mine = expect.number(value, "The step", on=on)
+    # An iteration that stops after six digits is good enough.
+    expect.close(mine, truth, 1e-5 * truth, "The largest stable step", on=on)
+
+
+@STABLE_STEP.check("just below it every mode decays, just above it one grows", points=2)
+def _(f: Asked, rng: Rng) -> None:
+    for_all = [(closed(rng), "a closed mesh"), (bounded(rng), "a mesh with holes")]
+    asked = [(*matrices(shape), on) for shape, on in for_all]
+    answers = [f(C, M) for C, M, _ in asked]
+    for value, (C, M, on) in zip(answers, asked, strict=True):
+        step = expect.number(value, "The step", on=on)
+        fastest = float(truths.modes(C, M)[0][-1])
+        below, above = abs(1 - 0.999 * step * fastest), abs(1 - 1.001 * step * fastest)
+        message = "A step a little below yours makes the fastest mode grow."
+        expect.that(below <= 1.0, message, yours=f"{step:.6g}", on=on)
+        message = "A step a little above yours is still stable: yours is not the bound."
+        expect.that(above >= 1.0, message, yours=f"{step:.6g}", on=on)
+
+
+@STABLE_STEP.check("a square of side a in 25 cells: a²/100")
+def _(f: Asked, rng: Rng) -> None:
+    square = grid(rng)
+    sides = [float(rng.uniform(0.5, 2.0)), 0.01, 100.0]
+    asked = [(*matrices(square.scaled(side)), side) for side in sides]
+    answers = [f(C, M) for C, M, _ in asked]
+    for value, (_, _, side) in zip(answers, asked, strict=True):
+        mine, on = expect.number(value, "The step"), f"a square of side {side:.3g}"
+        # The fastest mode changes its sign from vertex to vertex, along both axes: λ = −8/h² with h = a/5.
+        expect.close(mine, side**2 / 100, 1e-5 * side**2 / 100, "The largest stable step", on=on)
+
+
+@STABLE_STEP.check("a regular solid on a sphere of radius R")
+def _(f: Asked, rng: Rng) -> None:
+    R = float(rng.uniform(0.5, 2.0))
+    solids = [shapes.shuffled(solid, rng) for solid in (shapes.tetrahedron(R), shapes.octahedron(R))]
+    asked = [(*matrices(solid), solid.name) for solid in solids]
+    answers = [f(C, M) for C, M, _ in asked]
+    # Tetrahedron: three neighbours, all other modes have λ = −2/R². Octahedron: the fastest has λ = −3/R².
+    for value, (_, _, on), truth in zip(answers, asked, (R**2, 2 * R**2 / 3), strict=True):
+        mine = expect.number(value, "The step", on=on)
+        expect.close(mine, truth, 1e-5 * truth, "The largest stable step", on=on)
+
+
+@STABLE_STEP.variant("by iterating with a random start, as an array")
+def _(C: Any, M: Any) -> Any:
+    from scipy.sparse.linalg import eigsh
+
+    root = np.sqrt(M.diagonal())
+    A = -truths.dense(C) / np.outer(root, root)
+    return 2 / eigsh(A, 1, which="LA", return_eigenvectors=False, tol=1e-9, v0=np.cos(np.arange(len(A)) ** 2))
+
+
+@STABLE_STEP.variant("the eigenvalues of the unsymmetric matrix")
+def _(C: Any, M: Any) -> Any:
+    return float(2 / np.abs(np.linalg.eigvals(truths.dense(C) / M.diagonal()[:, None])).max())
+
+
+@STABLE_STEP.mistake(
+    "the 2 is missing",
+    hint="The factor of a mode may lie between −1 and 1. Where does it lie for your step?",
+)
+def _(C: Any, M: Any) -> Any:
+    return 1 / truths.modes(C, M)[0][-1]
+
+
+@STABLE_STEP.mistake(
+    "the mass matrix was left out",
+    hint="A step has the unit of an area. Which of C and M knows of lengths?",
+)
+def _(C: Any, M: Any) -> Any:
+    return 2 / np.linalg.eigvalsh(-truths.dense(C))[-1]
+
+
+@STABLE_STEP.mistake(
+    "the slowest mode was taken, not the fastest",
+    hint="Which mode grows first when the step is too large: a smooth or a rough one?",
+)
+def _(C: Any, M: Any) -> Any:
+    return 2 / truths.modes(C, M)[0][1]
+
+
+@STABLE_STEP.mistake(
+    "the bound is negative",
+    hint="The eigenvalues of Δ are negative. And the step?",
+)
+def _(C: Any, M: Any) -> Any:
+    return -2 / truths.modes(C, M)[0][-1]
+
+
+@STABLE_STEP.mistake(
+    "the fastest frequency itself was returned",
+    hint="The finer the mesh, the larger the frequencies. And the stable step?",
+)
+def _(C: Any, M: Any) -> Any:
+    return truths.modes(C, M)[0][-1]
+
+
+@STABLE_STEP.mistake(
+    "the largest diagonal entry was taken for the largest eigenvalue",
+    hint="An eigenvalue can be larger than every entry of the diagonal. Is your step stable?",
+)
+def _(C: Any, M: Any) -> Any:
+    return 2 / float((-C.diagonal() / M.diagonal()).max())
+
+
+@STABLE_STEP.mistake(
+    "the sum of the absolute values of a row was taken for the largest eigenvalue",
+    hint="That sum is an upper bound for the eigenvalues (Gershgorin). Is a slightly larger step unstable?",
+)
+def _(C: Any, M: Any) -> Any:
+    return 2 / float((np.abs(truths.dense(C)).sum(axis=1) / M.diagonal()).max())
+
+
+# Implicit ---------------------------------------------------------------------------------------
+
+IMPLICIT_STEP = Exercise(
+    reference.implicit_step,
+    notes="ch. 6 §13.5; coursework 2, question 6",
+    hints=[
+        "The Laplacian is taken of the new positions. Collect them on one side.",
+        "Multiply by M, so that the matrix becomes symmetric. What stands on the right then?",
+        "`scipy.sparse.linalg` has a direct solver, and conjugate gradients, which take a column at a time.",
+    ],
+    time_limit=4.0,
+)
+
+
+@IMPLICIT_STEP.check("a sphere stays a sphere, its radius divided by 1 + 2λ/R²", points=2)
+def _(f: Asked, rng: Rng) -> None:
+    R = float(rng.uniform(0.5, 2.0) * rng.choice([0.01, 1.0, 100.0]))
+    solids = [turned(shapes.shuffled(s, rng), rng) for s in (shapes.tetrahedron(R), shapes.icosahedron(R))]
+    lam = float(rng.uniform(0.5, 2.0) * R**2)
+    answers = [f(s.vertices, *matrices(s), lam) for s in solids]
+    for value, s in zip(answers, solids, strict=True):
+        on = f"a regular {s.name} on a sphere of radius {R:.3g}, λ = {lam / R**2:.3g} R²"
+        expecting.positions(value, s.vertices / (1 + 2 * lam / R**2), s, on=on)
+
+
+@IMPLICIT_STEP.check("(M − λC)P′ = MP on any mesh, for small and huge steps", points=2)
+def _(f: Asked, rng: Rng) -> None:
+    holes, flat = bounded(rng), turned(patch(rng), rng)
+    holes = holes.moved(-holes.vertices.mean(axis=0))
+    asked = []
+    for shape, factor in ((holes, 0.5), (flat, 50.0), (holes, 1e4)):
+        C, M = matrices(shape)
+        lam = factor * float(M.diagonal().mean())
+        asked.append((f(shape.vertices, C, M, lam), shape, C, M, lam, factor))
+    for value, shape, C, M, lam, factor in asked:
+        on, areas = f"a mesh with a boundary, λ of {factor:g} cells", M.diagonal()
+        mine = expect.array(value, shape.vertices.shape, "The array of positions", on=on)
+        residual = (M @ (mine - shape.vertices) - lam * (C @ mine)) / areas.mean()
+        size = (float(areas.max()) + lam * float(abs(C).max())) / areas.mean()
+        size *= max(float(np.abs(shape.vertices).max()), float(np.abs(mine).max()))
+        picture = pictures.of_residual(shape.vertices, faces_of(shape), residual, "residual")
+        expect.close(residual, 0.0, ITERATED * size, "(M − λC)P′ − MP", on=on, picture=picture)
+
+
+@IMPLICIT_STEP.check("the centre of a closed surface stays, however far from the origin")
+def _(f: Asked, rng: Rng) -> None:
+    shape = closed(rng)
+    C, M = matrices(shape)
+    areas = M.diagonal()
+    value = f(shape.vertices, C, M, float(areas.mean() * rng.uniform(1.0, 10.0)))
+    on = "a closed mesh far from the origin"
+    mine = expect.array(value, shape.vertices.shape, "The array of positions", on=on)
+    before, after = (areas @ x / areas.sum() for x in (shape.vertices, mine))
+    picture = pictures.of_positions(shape.vertices, mine, shape.vertices, faces_of(shape))
+    size = 10 * max(float(np.abs(shape.vertices).max()), float(np.abs(mine).max()))
+    expect.close(after, before, ITERATED * size, "The centre of the surface", on=on, picture=picture)
+
+
+def _step(P: FloatArray, C: Any, M: Any, lam: float) -> FloatArray:
+    system = truths.dense(M) - lam * truths.dense(C)
+    return np.asarray(np.linalg.solve(system, M @ P))
+
+
+@IMPLICIT_STEP.variant("a dense Cholesky factor")
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+    factor = np.linalg.cholesky(truths.dense(M) - lam * truths.dense(C))
+    return np.linalg.solve(factor.T, np.linalg.solve(factor, M @ vertices))
+
+
+@IMPLICIT_STEP.variant("conjugate gradients, one coordinate at a time, as columns of a list")
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cg") -> Any:
+    from scipy.sparse.linalg import cg
+
+    right = (M @ vertices).T
+    columns = [cg(M - lam * C, b, x0=x, rtol=1e-10)[0] for b, x in zip(right, vertices.T, strict=True)]
+    return np.array(columns).T.tolist()
+
+
+@IMPLICIT_STEP.variant("the unsymmetric form, in single precision")
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+    L = truths.dense(C) / M.diagonal()[:, None]
+    return np.linalg.solve(np.eye(len(L)) - lam * L, vertices).astype(np.float32)
+
+
+@IMPLICIT_STEP.mistake(
+    "the identity stands where the mass matrix belongs",
+    hint="C is integrated over cells. What must stand beside it so that both have the same units?",
+)
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+    return np.linalg.solve(np.eye(len(vertices)) - lam * truths.dense(C), vertices)
+
+
+@IMPLICIT_STEP.mistake(
+    "the right-hand side was not multiplied by M",
+    hint="What should a step of 0 do? And what does yours do?",
+)
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+    return np.linalg.solve(truths.dense(M) - lam * truths.dense(C), vertices)
+
+
+@IMPLICIT_STEP.mistake(
+    "the sign of C is the wrong way round",
+    hint="C is negative semi-definite. Which sign makes the matrix positive definite?",
+)
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+    return _step(vertices, C, M, -lam)
+
+
+@IMPLICIT_STEP.mistake(
+    "the step is explicit",
+    hint="Is the Laplacian taken of the old or of the new positions? Try a huge step.",
+)
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+    return vertices + lam * (C @ vertices) / M.diagonal()[:, None]
+
+
+@IMPLICIT_STEP.mistake(
+    "boundary rows were set to zero: the boundary collapses to the origin",
+    hint="Nothing is fixed in this step. What does the row of a boundary vertex say?",
+)
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+    D, right = truths.dense(C), M @ vertices
+    # The ends of an edge with a single face have one common neighbour, as a rule; others have two or more.
+    linked = (D != 0) & ~np.eye(len(D), dtype=bool)
+    common = (linked.astype(int) @ linked.astype(int)) * linked
+    border = ((common == 1) & linked).any(axis=1)
+    system = truths.dense(M) - lam * D
+    system[border] = np.eye(len(D))[border]
+    right[border] = 0.0
+    return np.linalg.solve(system, right)
+
+
+@IMPLICIT_STEP.mistake(
+    "only the first coordinate was smoothed",
+    hint="Positions have three columns. What has happened to y and z?",
+)
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+    return np.column_stack([_step(vertices, C, M, lam)[:, 0], vertices[:, 1:]])
+
+
+@IMPLICIT_STEP.mistake(
+    "M was divided out once more: C stands beside M, divided by the areas",
+    hint="Which matrix goes with M, C or M⁻¹C? Is yours symmetric?",
+)
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+    L = truths.dense(C) / M.diagonal()[:, None]
+    return np.linalg.solve(truths.dense(M) - lam * L, M @ vertices)
+
+
+# Whole flows ------------------------------------------------------------------------------------
+
+MEAN_CURVATURE_FLOW = Exercise(
+    reference.mean_curvature_flow,
+    notes="ch. 6 §13.3, §13.5",
+    hints=[
+        "It is a loop of implicit steps, which you have.",
+        "C and M belong to a surface. Which surface is it in the second step?",
+    ],
+    time_limit=4.0,
+)
+
+LINEAR_DIFFUSION = Exercise(
+    reference.linear_diffusion,
+    notes="ch. 6 §13.3, §13.5",
+    hints=[
+        "It is a loop of implicit steps, which you have.",
+        "The matrix is the same in every step: what can be done once, before the loop?",
+    ],
+    time_limit=4.0,
+)
+
+
+def _flow(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep: bool) -> FloatArray:
+    """Follow `steps` implicit steps, with matrices of the start (`keep`) or of each step."""
+    P = vertices
+    for i in range(steps):
+        if i == 0 or not keep:
+            C, areas = truths.stiffness(P, faces), truths.mixed_areas(P, faces)
+        P = np.asarray(np.linalg.solve(np.diag(areas) - lam * C, areas[:, None] * P), dtype=float)
+    return P
+
+
+def _radius_after(R: float, lam: float, steps: int, *, keep: bool) -> float:
+    """Return the radius of a regular solid after some steps: each divides it by 1 + 2λ/R²."""
+    r = R
+    for _ in range(steps):
+        r /= 1 + 2 * lam / (R if keep else r) ** 2
+    return r
+
+
+def _declare_flow(exercise: Exercise, claim: str, keep: bool) -> None:
+    @exercise.check(claim, points=2)
+    def _(f: Asked, rng: Rng) -> None:
+        R = float(rng.uniform(0.5, 2.0) * rng.choice([0.01, 1.0, 100.0]))
+        solids = [turned(shapes.shuffled(s, rng), rng) for s in (shapes.tetrahedron(R), shapes.octahedron(R))]
+        lam, steps = float(rng.uniform(0.05, 0.1) * R**2), int(rng.integers(3, 6))
+        answers = [f(s.vertices, faces_of(s), lam, steps) for s in solids]
+        for value, s in zip(answers, solids, strict=True):
+            on = f"a regular {s.name} on a sphere of radius {R:.3g}, {steps} steps of {lam / R**2:.3g} R²"
+            factor = _radius_after(R, lam, steps, keep=keep) / R
+            expecting.positions(value, factor * s.vertices, s, on=on)
+
+    @exercise.check("each step lowers the area" if not keep else "the energy −PᵀCP falls with each step")
+    def _(f: Asked, rng: Rng) -> None:
+        shape = sphere(rng)
+        bumpy = shape.vertices * rng.uniform(0.9, 1.1, (len(shape.vertices), 1))
+        faces, lam = faces_of(shape), float(rng.uniform(0.02, 0.05))
+        answers = [f(bumpy, faces, lam, steps) for steps in (0, 1, 3)]
+        on = "a bumpy sphere after 0, 1 and 3 steps"
+        C = truths.stiffness(bumpy, faces)
+        found = []
+        for value in answers:
+            mine = expect.array(value, bumpy.shape, "The array of positions", on=on)
+            # With the matrices of the start it is the Dirichlet energy that falls.
+            found.append(float(-(mine * (C @ mine)).sum() if keep else truths.face_areas(mine, faces).sum()))
+        start = float(-(bumpy * (C @ bumpy)).sum() if keep else truths.face_areas(bumpy, faces).sum())
+        what = "The energy" if keep else "The area"
+        expect.close(found[0], start, SOLVED * start, f"{what} after 0 steps", on=on)
+        falls = found[0] > found[1] > found[2] > 0
+        yours = ", ".join(f"{value:.4g}" for value in found)
+        expect.that(falls, f"{what} does not fall from step to step.", yours=yours, on=on)
+
+    @exercise.check("two steps on a mesh with holes and obtuse angles")
+    def _(f: Asked, rng: Rng) -> None:
+        shape = bounded(rng)
+        shape = shape.moved(-shape.vertices.mean(axis=0))
+        faces = faces_of(shape)
+        # Small steps: large ones collapse the cells of a flow that measures them anew.
+        lam = float(0.02 * truths.mixed_areas(shape.vertices, faces).min())
+        value = f(shape.vertices, faces, lam, 2)
+        truth = _flow(shape.vertices, faces, lam, 2, keep=keep)
+        expecting.positions(value, truth, shape, on="a mesh with holes")
+
+    @exercise.variant("dense matrices")
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int) -> Any:
+        return _flow(vertices, faces, lam, steps, keep=keep)
+
+    @exercise.variant("the inverse of I − λM⁻¹C, in single precision at the end")
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int) -> Any:
+        P, surface = vertices, vertices
+        for _ in range(steps):
+            surface = vertices if keep else P
+            P = np.linalg.inv(np.eye(len(P)) - lam * truths.laplacian(surface, faces)) @ P
+        return P.astype(np.float32)
+
+    other = (
+        (
+            "the matrices were made anew in every step: this is mean-curvature flow",
+            "Which surface are C and M of, here? What makes one factorisation enough for all steps?",
+        )
+        if keep
+        else (
+            "the matrices of the start were kept: this is linear diffusion",
+            "The surface changes with every step. Do your C and M?",
+        )
+    )
+
+    @exercise.mistake(other[0], hint=other[1])
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int) -> Any:
+        return _flow(vertices, faces, lam, steps, keep=not keep)
+
+    @exercise.mistake(
+        "one step of the whole time was made",
+        hint="Is one implicit step of 3λ the same as three of λ? Try it on a sphere.",
+    )
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int) -> Any:
+        return _flow(vertices, faces, lam * steps, min(steps, 1), keep=keep)
+
+    @exercise.mistake(
+        "every step started from the first positions",
+        hint="What does the second step of your loop start from?",
+    )
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int) -> Any:
+        return _flow(vertices, faces, lam, min(steps, 1), keep=keep)
+
+    @exercise.mistake("one step too many was made", hint="How many times does your loop run for `steps = 0`?")
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int) -> Any:
+        return _flow(vertices, faces, lam, steps + 1, keep=keep)
+
+    @exercise.mistake(
+        "the surface flows backwards",
+        hint="Which sign of C makes the matrix positive definite? A sphere should shrink.",
+    )
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int) -> Any:
+        return _flow(vertices, faces, -lam, steps, keep=keep)
+
+    @exercise.mistake(
+        "the uniform Laplacian was used",
+        hint="The uniform Laplacian knows nothing of lengths. Do spheres of any size shrink alike?",
+    )
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int) -> Any:
+        L, P = truths.mean_of_neighbours(faces, len(vertices)), vertices
+        for _ in range(steps):
+            P = np.asarray(np.linalg.solve(np.eye(len(P)) - lam * L, P), dtype=float)
+        return P
+
+
+_declare_flow(
+    MEAN_CURVATURE_FLOW, "a sphere shrinks faster and faster: each step divides r by 1 + 2λ/r²", keep=False
+)
+_declare_flow(
+    LINEAR_DIFFUSION,
+    "a sphere shrinks by the same factor 1 + 2λ/R² in each step, R that of the start",
+    keep=True,
+)

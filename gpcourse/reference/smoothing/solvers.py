@@ -1,0 +1,136 @@
+"""Sparse symmetric positive definite systems: factor once and solve often, or conjugate gradients."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from gpcourse.errors import SingularSystemError
+from gpcourse.geometry.arrays import FloatArray, IntArray
+
+#: Solves a system for a right-hand side of shape (n,) or (n, k).
+Solve = Callable[[FloatArray], FloatArray]
+
+#: Largest residual that rounding explains, relative to the terms of ``A x - b``.
+_ROUNDING = 1e-10
+
+
+def factorized(A: sparse.csr_array) -> Solve:
+    """Factor a symmetric positive definite matrix, and return the function that solves with it.
+
+    Raises
+    ------
+    SingularSystemError
+        If there is no factor, or, when solving, if the solution does not satisfy the system.
+    """
+    from scipy.sparse.linalg import splu
+
+    try:
+        # Pivots on the diagonal keep the symmetry, as in a Cholesky factorisation: half the time and memory.
+        lu = splu(
+            sparse.csc_array(A),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except RuntimeError:
+        raise SingularSystemError("the matrix is singular; fix some values, or remove empty rows") from None
+
+    norm = abs(A).sum(axis=1).max(initial=0)
+
+    def solve(b: FloatArray) -> FloatArray:
+        x = np.asarray(lu.solve(b))
+        terms = norm * np.abs(x).max(initial=0) + np.abs(b).max(initial=0)
+        if not np.abs(A @ x - b).max(initial=0) <= _ROUNDING * terms:
+            raise SingularSystemError(
+                "the matrix is not positive definite; is C the cotangent matrix, and no step negative?"
+            )
+        return x
+
+    return solve
+
+
+def conjugate_gradients(A: sparse.csr_array, b: FloatArray, start: FloatArray) -> FloatArray:
+    """Solve a symmetric positive definite system column by column by conjugate gradients.
+
+    Unknowns are scaled so that the diagonal becomes 1, which is the cheapest preconditioner.
+
+    Raises
+    ------
+    SingularSystemError
+        If the iteration does not come to an end, as on a matrix that is not positive definite.
+    """
+    diagonal = A.diagonal()
+    if not (diagonal > 0).all():
+        raise SingularSystemError(
+            f"entry {int(np.argmin(diagonal > 0))} of the diagonal is not positive; is the step negative?"
+        )
+    scale = 1 / np.sqrt(diagonal)
+    scaled = sparse.csr_array(sparse.diags_array(scale) @ A @ sparse.diags_array(scale))
+    columns = zip(np.atleast_2d(b.T), np.atleast_2d(start.T), strict=True)
+    x = [scale * _descend(scaled, scale * right, guess / scale) for right, guess in columns]
+    return np.stack(x, axis=-1).reshape(b.shape)
+
+
+def _descend(A: sparse.csr_array, b: FloatArray, x: FloatArray) -> FloatArray:
+    """Minimise ½ xᵀAx - bᵀx along directions of which none undoes what another one has gained."""
+    residual = b - A @ x
+    direction = residual
+    left, enough = _dot(residual, residual), 1e-24 * _dot(b, b)
+    for _ in range(10 * len(b)):
+        if left <= enough:
+            break
+        ahead = A @ direction
+        length = left / _dot(direction, ahead)
+        x = x + length * direction
+        residual = residual - length * ahead
+        before, left = left, _dot(residual, residual)
+        direction = residual + left / before * direction
+    # The residual that is carried along can drift from the true one where the matrix is nearly singular.
+    error = b - A @ x
+    if not _dot(error, error) <= 1e12 * enough:
+        raise SingularSystemError(
+            "conjugate gradients have not converged; take a smaller step or the Cholesky solver"
+        )
+    return x
+
+
+def _dot(a: FloatArray, b: FloatArray) -> float:
+    # Not a @ b: the threads of BLAS wait for each other longer than this takes where other programs run.
+    return float(np.einsum("i,i->", a, b))
+
+
+def solve_with_fixed(A: sparse.csr_array, b: FloatArray, fixed: IntArray, values: FloatArray) -> FloatArray:
+    """Solve ``A x = b`` in all rows but the fixed ones, where x is given.
+
+    What is known goes to the right-hand side: :math:`A_{II} x_I = b_I - A_{IB} x_B`.
+
+    Raises
+    ------
+    SingularSystemError
+        If a connected part has no fixed vertex; names one of its vertices.
+    """
+    refuse_free_components(A, fixed)
+    free = np.ones(len(b), dtype=bool)
+    free[fixed] = False
+    x = np.zeros(b.shape)
+    x[fixed] = values
+    if free.any():
+        rows = A[free]
+        x[free] = factorized(sparse.csr_array(rows[:, free]))(b[free] - rows @ x)
+    return x
+
+
+def refuse_free_components(A: sparse.csr_array, fixed: IntArray) -> None:
+    """Raise SingularSystemError if nothing is fixed in a connected part of the mesh."""
+    n_components, component = connected_components(A, directed=False)
+    free = np.setdiff1d(np.arange(n_components), component[fixed])
+    if len(free):
+        part = np.flatnonzero(component == free[0])
+        raise SingularSystemError(
+            f"nothing is fixed in the part of {len(part)} vertices around vertex {part[0]}: any constant can "
+            "be added to a solution there; fix at least one of them"
+        )

@@ -47,7 +47,7 @@ pytest: $(TEST_READY) ## run the tests of the package
 	$(PYTEST)
 
 grade: $(READY) ## grade the sample class into grades/, with SEED=7
-	$(BIN)/gpcourse grade data/sample_class --out grades --seed $(SEED)
+	$(BIN)/gpcourse grade data/sample_class --out grades --seed $(SEED) --allow-unconfined
 
 solve: $(READY) ## write solved notebooks into solved/
 	$(BIN)/gpcourse solve notebooks/*.ipynb --out solved

@@ -192,7 +192,7 @@ def submissions(tmp_path):
 
 
 def test_grade_writes_a_grade_book_and_says_where(submissions, tmp_path):
-    result = run("grade", submissions, "--out", tmp_path / "grades", "--seed", 7)
+    result = run("grade", submissions, "--out", tmp_path / "grades", "--seed", 7, "--allow-unconfined")
     assert result.exit_code == 0, result.output
     assert "2 submissions: 2 graded" in result.output
     assert str(tmp_path / "grades" / "index.html") in result.output
@@ -200,12 +200,24 @@ def test_grade_writes_a_grade_book_and_says_where(submissions, tmp_path):
 
 
 def test_grade_as_json_and_quietly(submissions, tmp_path):
-    result = run("grade", submissions, "--out", tmp_path / "grades", "--json")
+    result = run("grade", submissions, "--out", tmp_path / "grades", "--json", "--allow-unconfined")
     summary = json.loads(result.stdout)
     assert {s["student"]: s["points"] for s in summary["students"]} == {"right": 4, "wrong": 1}
-    quiet = run("grade", submissions, "--out", tmp_path / "again", "--quiet")
+    quiet = run("grade", submissions, "--out", tmp_path / "again", "--quiet", "--allow-unconfined")
     assert quiet.exit_code == 0
     assert quiet.output == ""
+
+
+def test_grade_refuses_where_it_cannot_confine(submissions, tmp_path, monkeypatch):
+    confine = import_module("gpcourse.sandbox.confine")
+    unconfined = import_module("gpcourse.sandbox.lockdown").Confinement("limits", ("seccomp: none here",))
+    monkeypatch.setattr(confine, "level_here", lambda: unconfined)
+    result = run("grade", submissions, "--out", tmp_path / "grades")
+    assert result.exit_code == 2
+    assert "seccomp: none here" in result.output
+    assert not (tmp_path / "grades").exists()
+    assert "limits" in run("doctor").output
+    assert run("check", submissions / "right.ipynb").exit_code == 0
 
 
 # lab --------------------------------------------------------------------------------------------

@@ -66,12 +66,21 @@ def _programs() -> Iterator[Finding]:
 
 def _confinement() -> Iterator[Finding]:
     """Say what bounds student code while it is graded, and what more this machine could do."""
+    from gpcourse.errors import WorkerError
+    from gpcourse.sandbox.confine import level_here
     from gpcourse.sandbox.probe import probe
 
-    used = ("own process", "resource limits")
+    needed = ("own process", "resource limits")
+    unused = ("user namespaces", "bubblewrap")
     for layer in probe():
-        if layer.name in used:
-            yield layer.name, layer.words, layer.works
-        else:
-            yield layer.name, f"{layer.words} (not used yet)" if layer.works else layer.words, None
-    yield "files, network", "open to student code: grade strangers' work in a container", None
+        words = f"{layer.words} (not used yet)" if layer.works and layer.name in unused else layer.words
+        yield layer.name, words, layer.works if layer.name in needed else layer.works or None
+    try:
+        here = level_here()
+    except WorkerError as error:
+        yield "level", str(error), False
+        return
+    words = f"{here.level}, reached by a process that was started just now"
+    if not here.reaches("restricted"):
+        words += f"; missing: {'; '.join(here.missing)}. Grading needs --allow-unconfined"
+    yield "level", words, here.reaches("restricted") or None

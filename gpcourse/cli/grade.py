@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Draws the inputs.")
 @click.option("--chapter", "chapters", multiple=True, help="Grade this chapter only, as 1 or halfedge.")
 @click.option("--jobs", type=click.IntRange(min=1), help="Submissions at a time; by default one a core.")
+@click.option("--allow-unconfined", is_flag=True, help="Grade work you trust where it cannot be confined.")
 @click.option("--quiet", is_flag=True, help="No progress bar, no summary.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 def grade(
@@ -28,13 +29,15 @@ def grade(
     seed: int,
     chapters: tuple[str, ...],
     jobs: int | None,
+    allow_unconfined: bool,
     quiet: bool,
     as_json: bool,
 ) -> None:
     """Grade a folder of SUBMISSIONS: a notebook a student, or a folder a student.
 
     The same seed gives the same grades, another seed other inputs. Exits with 0 when all were graded,
-    whatever the grades, and with 1 when a person has to look at one.
+    whatever the grades, with 1 when a person has to look at one, and with 2 when nothing can be graded, as
+    where student code cannot be confined and --allow-unconfined is not given.
     """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -50,6 +53,7 @@ def grade(
             seed=seed,
             chapters=chapters or None,
             jobs=jobs,
+            allow_unconfined=allow_unconfined,
             progress=lambda done, total, _: bar.update(task, completed=done, total=total),
         )
     faults = sum(report.status == "grader fault" for report in book.reports)
@@ -63,6 +67,7 @@ def grade(
 def _summary(book: GradeBook) -> dict[str, object]:
     return {
         "seed": book.seed,
+        "confinement": book.confinement,
         "chapters": [chapter.stem for chapter in book.chapters],
         "out_of": sum(exercise.points for exercise in book.exercises),
         "table": str(book.table),

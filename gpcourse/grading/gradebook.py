@@ -19,16 +19,19 @@ from gpcourse.grading.judge import Judged, Report
 
 
 def grades_csv(reports: Sequence[Report], exercises: Sequence[Exercise]) -> str:
-    """Write one row a student: points by exercise, total, status and a note.
+    """Write one row a student: points by exercise, total, status, level of confinement and a note.
 
     A cell that a spreadsheet would take for a formula gets an apostrophe in front.
     """
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(["student", *(e.name for e in exercises), "total", "out of", "status", "note"])
+    writer.writerow(
+        ["student", *(e.name for e in exercises), "total", "out of", "status", "confinement", "note"]
+    )
     for report in reports:
         points = [judged.verdict.points for judged in report.judged]
-        row = [report.student, *points, report.points, report.out_of, report.status, note(report)]
+        row = [report.student, *points, report.points, report.out_of]
+        row += [report.status, report.confinement, note(report)]
         writer.writerow([_safe(cell) if isinstance(cell, str) else cell for cell in row])
     return buffer.getvalue()
 
@@ -61,6 +64,7 @@ def gradescope(report: Report) -> str:
         "output_format": "text",
         "visibility": "visible",
         "stdout_visibility": "hidden",
+        "extra_data": {"confinement": report.confinement},
         "tests": [_test(judged) for judged in report.judged],
     }
     return json.dumps(content, indent=2, ensure_ascii=False) + "\n"

@@ -122,6 +122,7 @@ def class_page(
         out_of=sum(exercise.points for exercise in exercises),
         mean=_number(statistics.fmean(totals)),
         median=_number(statistics.median(totals)),
+        confinement=", ".join(sorted({report.confinement for report in reports})),
         full=sum(report.points == report.out_of for report in reports),
         seed=seed,
         legend=[(sign, colour, outcome) for outcome, (sign, colour) in SIGNS.items()],

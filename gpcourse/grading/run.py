@@ -19,6 +19,7 @@ from gpcourse.grading.judge import Report, judge_submission
 from gpcourse.grading.submission import Notebook, Submission, read_folder
 from gpcourse.sandbox import confine, home
 from gpcourse.sandbox.line import Line
+from gpcourse.sandbox.lockdown import Level
 from gpcourse.sandbox.proxy import Worker
 
 #: ``progress(done, total, student)`` is called after each submission, in no fixed order.
@@ -36,6 +37,8 @@ class GradeBook:
     chapters, exercises
         What was graded, in the order of the columns.
     seed : int
+    confinement : Level
+        The level at which student code was run.
     out, table, page : Path
         The folder that was written, its grades.csv and its index.html.
     """
@@ -45,6 +48,7 @@ class GradeBook:
     exercises: tuple[Exercise, ...]
     seed: int
     out: Path
+    confinement: Level
 
     @property
     def table(self) -> Path:
@@ -65,6 +69,7 @@ def grade(
     chapters: Sequence[str] | None = None,
     jobs: int | None = None,
     limits: confine.Limits | None = None,
+    allow_unconfined: bool = False,
     progress: Progress | None = None,
 ) -> GradeBook:
     """Grade the submissions in `folder` and write the grade book into `out`.
@@ -85,13 +90,18 @@ def grade(
         Submissions at a time; by default the number of cores.
     limits : Limits, optional
         What a notebook may use.
+    allow_unconfined : bool
+        Grade also where student code cannot be confined at the level ``restricted``. Only for work
+        that you trust.
     progress : callable, optional
         Called as ``progress(done, total, student)`` after each submission.
 
     Raises
     ------
     UsageError
-        If there are no submissions, or another argument cannot be used.
+        If there are no submissions, another argument cannot be used, or this machine cannot confine.
+    WorkerError
+        If no process can be started.
     """
     folder, out = Path(folder), Path(out)
     if seed < 0:
@@ -101,19 +111,33 @@ def grade(
     chosen = _named(chapters) if chapters else _found(submissions)
     exercises = tuple(exercise for chapter in chosen for exercise in chapter.exercises)
     names = gradebook.file_names(s.student for s in submissions)
+    limits = _confined(limits or confine.Limits(), allow_unconfined)
     done: dict[str, Report] = {}
-    with closing(_judge_all(submissions, exercises, seed, jobs, limits or confine.Limits())) as judged:
-        for report in judged:
+    with closing(_judge_all(submissions, exercises, seed, jobs, limits)) as judged:
+        for each in judged:
+            report = replace(each, confinement=limits.least)
             stem = names[report.student]
             gradebook.write(out / "students" / f"{stem}.html", reports.student_page(report, chosen, seed))
             gradebook.write(out / "gradescope" / stem / "results.json", gradebook.gradescope(report))
             done[report.student] = _slim(report)
             if progress is not None:
                 progress(len(done), len(submissions), report.student)
-    book = GradeBook(tuple(done[s.student] for s in submissions), chosen, exercises, seed, out)
+    book = GradeBook(tuple(done[s.student] for s in submissions), chosen, exercises, seed, out, limits.least)
     gradebook.write(book.table, gradebook.grades_csv(book.reports, exercises))
     gradebook.write(book.page, reports.class_page(book.reports, chosen, exercises, seed, names))
     return book
+
+
+def _confined(limits: confine.Limits, allow_unconfined: bool) -> confine.Limits:
+    """Return limits that ask every worker for the level that this machine reaches, found by trying."""
+    here = confine.level_here()
+    if not (allow_unconfined or here.reaches("restricted")):
+        raise UsageError(
+            f"student code cannot be confined here: this machine reaches the level {here.level!r}, below "
+            f"'restricted', for want of {'; '.join(here.missing)}. Grade on Linux 5.13 or newer; or, if you "
+            "trust whoever wrote the submissions, give --allow-unconfined"
+        )
+    return replace(limits, least=here.level)
 
 
 def _check_out(folder: Path, out: Path) -> None:

@@ -9,7 +9,10 @@ from pathlib import Path
 PACKAGE = Path(__file__).resolve().parent.parent
 
 #: The modules of the sandbox that run in the worker.
-_SANDBOX = ("__init__", "call", "deadline", "values", "encoding", "decoding", "wire", "program", "worker")
+_SANDBOX = (
+    "__init__", "call", "deadline", "values", "encoding", "decoding", "wire", "program", "worker",
+    "landlock", "seccomp", "lockdown",
+)  # fmt: skip
 
 #: Where in the folder matplotlib finds its list of fonts, which takes it seconds to make.
 FONTS = "matplotlib"
@@ -18,11 +21,16 @@ FONTS = "matplotlib"
 def build(folder: Path, *, fonts: bool = False) -> Path:
     """Make the reduced package in a new `folder`, and return it.
 
+    The folder around it should be a new one too: others may then pass through it, not list it.
+
     Submodules of `gpcourse.reference` are there by name, so that a notebook's imports do not fail; calling
     what should be in them says that it is not there.
     """
     home = folder / "gpcourse"
     standin = PACKAGE / "sandbox" / "standin"
+    folder.mkdir(parents=True)
+    folder.chmod(0o755)
+    folder.parent.chmod(0o711)  # a worker that was started by root becomes somebody else
     shutil.copytree(PACKAGE / "geometry", home / "geometry", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(PACKAGE / "errors.py", home)
     (home / "sandbox").mkdir()

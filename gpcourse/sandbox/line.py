@@ -17,6 +17,7 @@ from typing import Any
 from gpcourse.errors import WireError
 from gpcourse.sandbox import wire
 from gpcourse.sandbox.call import Status
+from gpcourse.sandbox.lockdown import LEVELS, Confinement
 from gpcourse.sandbox.worker import CRASH_FILE
 
 
@@ -37,8 +38,22 @@ class Line:
         self.scratch = scratch
         self.number = 0
         self.closed = False
+        self.confinement = Confinement()
         pipes = process.stdin, process.stdout
         self.sink, self.source = (pipe.fileno() for pipe in pipes if pipe is not None)
+
+    def greet(self, seconds: float) -> None:
+        """Read the first frame, which says how far the worker is confined, or raise `Gone`."""
+        try:
+            said = wire.unpack(self._exchange(b"", time.monotonic() + seconds))
+            level = said["level"]
+            self.confinement = Confinement(LEVELS[LEVELS.index(level)], tuple(map(str, said["missing"])))
+        except TimeoutError:
+            raise self._gone("timeout", f"it was not ready after {seconds:g} s") from None
+        except (OSError, EOFError):
+            raise self._gone("crashed") from None
+        except (WireError, TypeError, KeyError, ValueError) as error:
+            raise self._gone("crashed", f"its greeting could not be read: {error}") from None
 
     def request(self, do: str, seconds: float, **content: Any) -> dict[Any, Any]:
         """Send a request and return the reply, or raise `Gone` after `seconds`, with the process ended.

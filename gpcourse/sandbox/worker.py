@@ -17,7 +17,7 @@ import os
 import random
 import sys
 from collections.abc import Callable
-from dataclasses import astuple, dataclass, field
+from dataclasses import asdict, astuple, dataclass, field
 from pathlib import Path
 from types import ModuleType
 from typing import Any, BinaryIO
@@ -28,6 +28,7 @@ from gpcourse.errors import WireError
 from gpcourse.sandbox import wire
 from gpcourse.sandbox.call import Answer, Trouble, call, describe
 from gpcourse.sandbox.deadline import TimeLimit, deadline
+from gpcourse.sandbox.lockdown import lock
 from gpcourse.sandbox.program import Program, Statement
 
 #: Where the place of a crash is written, in the working folder.
@@ -194,18 +195,23 @@ def private_pipes() -> tuple[BinaryIO, BinaryIO]:
     return os.fdopen(source, "rb"), os.fdopen(sink, "wb", buffering=0)
 
 
-def main(limits: dict[str, int]) -> None:
-    """Serve on the standard pipes, within `limits`."""
+def main(limits: dict[str, int], package: str, course: str) -> None:
+    """Serve on the standard pipes, within `limits`, confined; the first frame says how far.
+
+    `package` is the folder that gpcourse is imported from here, `course` the one with the solutions.
+    """
     source, sink = private_pipes()
     sys.argv[:] = [""]
     crashes = Path(CRASH_FILE).open("w")  # noqa: SIM115  # open until the end, which may come any time
     faulthandler.enable(crashes)
     limit_resources(limits)
+    confinement = lock(Path.cwd(), Path(package), Path(course))
 
     def write(frame: bytes) -> None:
         rest = memoryview(frame)
         while rest:
             rest = rest[sink.write(rest) :]
 
+    write(wire.pack(asdict(confinement)))
     serve(source.read, write)
     os._exit(0)  # threads and exit handlers of the student's do not keep it

@@ -4,16 +4,19 @@ import csv
 import json
 import re
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from gpcourse.errors import UsageError, WorkerError
 from gpcourse.exercises.course import CHAPTERS
-from gpcourse.grading import grade
+from gpcourse.grading import grade as grade_confined
 from gpcourse.sandbox import confine
+from gpcourse.sandbox.lockdown import Confinement
 
 CLASS = Path(__file__).parents[2] / "data" / "sample_class"
+grade = partial(grade_confined, allow_unconfined=True)  # some machines cannot
 POINTS = {exercise.name: exercise.points for exercise in CHAPTERS[1].exercises}
 
 
@@ -147,9 +150,34 @@ def test_a_machine_that_starts_no_process_is_our_fault(tmp_path, monkeypatch):
     def refuse(package, limits):
         raise WorkerError("no process could be started")
 
+    monkeypatch.setattr(confine, "level_here", Confinement)
     monkeypatch.setattr(confine, "launch", refuse)
     report = grade(write(tmp_path / "class", "ada"), tmp_path / "out").reports[0]
     assert report.status == "grader fault"
+
+
+def test_what_cannot_be_confined_is_not_graded_unless_it_is_trusted(tmp_path, monkeypatch):
+    folder = write(tmp_path / "class", "ada")
+    monkeypatch.setattr(confine, "level_here", lambda: Confinement("limits", ("Landlock: none here",)))
+    with pytest.raises(UsageError, match=r"Landlock: none here.*--allow-unconfined"):
+        grade_confined(folder, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+    assert grade(folder, tmp_path / "out").reports[0].confinement == "limits"
+
+
+def test_a_worker_that_is_less_confined_than_the_others_gets_no_notebook(tmp_path, monkeypatch):
+    monkeypatch.setattr(confine, "level_here", lambda: Confinement("full"))  # which none reaches
+    report = grade(write(tmp_path / "class", "ada"), tmp_path / "out").reports[0]
+    assert (report.status, report.points) == ("grader fault", 0)
+
+
+def test_every_result_states_its_level(book):
+    level = confine.level_here().level
+    rows = list(csv.DictReader(book.table.read_text("utf-8").splitlines()))
+    assert {row["confinement"] for row in rows} == {level} == {book.confinement}
+    assert f"confinement <b>{level}</b>" in book.page.read_text("utf-8")
+    results = json.loads((book.out / "gradescope" / "amara" / "results.json").read_text("utf-8"))
+    assert results["extra_data"] == {"confinement": level}
 
 
 @pytest.mark.parametrize(
@@ -173,10 +201,12 @@ def test_an_interruption_does_not_wait_for_who_is_being_graded(tmp_path):
     folder = write(tmp_path / "class", "ada")
     write(folder, *"bcdef", source="while True:\n    x = 1\ndef triangle_area(a, b, c):\n    return x")
 
+    moments = []
+
     def interrupt(*step):
+        moments.append(time.monotonic())
         raise KeyboardInterrupt
 
-    start = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
         grade(folder, tmp_path / "out", jobs=1, progress=interrupt)
-    assert time.monotonic() - start < confine.Limits().load / 2
+    assert time.monotonic() - moments[0] < confine.Limits().load / 2

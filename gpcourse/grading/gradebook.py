@@ -44,14 +44,15 @@ def _safe(text: str) -> str:
 def note(report: Report) -> str:
     """Say in one line what a person should know of a submission besides its points."""
     parts = list(report.notes)
-    missing = [judged.verdict.exercise.name for judged in report.judged if judged.missing]
-    if report.status == "graded" and missing:
-        parts.append(f"no function {', '.join(missing)}")
     for judged in report.judged:
         name, outcome = judged.verdict.exercise.name, judged.verdict.outcome
         parts.extend(f"{name}: {text}" for text in judged.notes)
         if outcome in ("error", "timeout", "out of memory", "grader fault"):
             parts.append(f"{name}: {outcome}")
+    missing = [judged.verdict.exercise.name for judged in report.judged if judged.missing]
+    if report.status == "graded" and missing:
+        # Last, since it may be long: what went wrong in the work that is there comes first.
+        parts.append(f"no function {', '.join(missing)}")
     return "; ".join(parts)
 
 

@@ -98,6 +98,13 @@ def test_a_crash_or_an_error_is_in_the_note(exercise):
     assert gradebook.note(report(exercise, lambda x: 1 / 0)) == "twice: error"
 
 
+def test_missing_functions_come_last_in_the_note(exercise):
+    broken = Judged(judge(exercise, ask_here(lambda x: 1 / 0), 0))
+    absent = Judged(judge(exercise, ask_here(lambda x: 1 / 0), 0), missing=True)
+    text = gradebook.note(Report("ada", "graded", (absent, broken)))
+    assert text.endswith("; no function twice")
+
+
 def test_gradescope_gets_a_test_for_each_exercise(exercise):
     content = json.loads(gradebook.gradescope(report(exercise, lambda x: x**2)))
     assert content["score"] == sum(test["score"] for test in content["tests"]) == 1

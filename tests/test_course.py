@@ -10,7 +10,7 @@ from gpcourse.exercises.judging import ask_here, judge
 #: Half-edges, the pattern for all, are tried on 20 seeds; the longer chapters on fewer, which keeps a run
 #: under ten minutes. `GPCOURSE_SEEDS=20` tries all on 20.
 SEEDS = {"welcome": 20, "halfedge": 20}
-FEWER = 5
+FEWER = 3
 
 
 def seeds(exercise):

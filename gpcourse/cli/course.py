@@ -38,8 +38,8 @@ def check(notebook: Path, every: bool, verbose: bool) -> None:
 
 
 def _judged(notebook: Path) -> Report:
-    from gpcourse.exercises.course import by_name
     from gpcourse.grading.judge import judge_submission
+    from gpcourse.grading.run import chapters_in
     from gpcourse.grading.submission import Notebook, Submission, read_notebook
     from gpcourse.notebook.checking import SEED
     from gpcourse.sandbox import confine, home
@@ -48,8 +48,7 @@ def _judged(notebook: Path) -> Report:
     read = read_notebook(notebook)
     if not read.readable:
         raise UsageError(f"{notebook}: {'; '.join(read.notes)}")
-    chapters = {chapter for name, (chapter, _) in by_name().items() if name in read.defines}
-    chosen = [e for chapter in sorted(chapters, key=lambda c: c.number) for e in chapter.exercises]
+    chosen = [exercise for chapter in chapters_in([read]) for exercise in chapter.exercises]
     if not chosen:
         raise UsageError(f"{notebook} defines no function of an exercise; give a notebook of the course")
     fonts = any("matplotlib" in source for _, source in read.cells)

@@ -108,7 +108,11 @@ def grade(
         raise UsageError(f"the seed is {seed}; give a whole number that is not negative")
     submissions = read_folder(folder)
     _check_out(folder, out)
-    chosen = _named(chapters) if chapters else _found(submissions)
+    chosen = (
+        _named(chapters)
+        if chapters
+        else chapters_in([n for s in submissions for n in s.notebooks]) or CHAPTERS
+    )
     exercises = tuple(exercise for chapter in chosen for exercise in chapter.exercises)
     names = gradebook.file_names(s.student for s in submissions)
     limits = _confined(limits or confine.Limits(), allow_unconfined)
@@ -160,11 +164,19 @@ def _named(chapters: Sequence[str]) -> tuple[Chapter, ...]:
     return tuple(chapter for chapter in CHAPTERS if chapter.number in wanted)
 
 
-def _found(submissions: Sequence[Submission]) -> tuple[Chapter, ...]:
-    """Return the chapters that somebody handed in, or all when nothing can be told."""
-    names = {name for s in submissions for notebook in s.notebooks for name in notebook.defines}
-    found = tuple(c for c in CHAPTERS if any(exercise.name in names for exercise in c.exercises))
-    return found or CHAPTERS
+def chapters_in(notebooks: Sequence[Notebook]) -> tuple[Chapter, ...]:
+    """Return the chapters that notebooks hold exercises of; none when nothing can be told.
+
+    A variable may be called like an exercise of another chapter (cube = …): functions decide, if there are any.
+    """
+    for names in (
+        {name for notebook in notebooks for name in notebook.functions},
+        {name for notebook in notebooks for name in notebook.defines},
+    ):
+        found = tuple(c for c in CHAPTERS if any(exercise.name in names for exercise in c.exercises))
+        if found:
+            return found
+    return ()
 
 
 def _judge_all(

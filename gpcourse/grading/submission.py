@@ -42,6 +42,12 @@ class Notebook:
         found = (pair for _, source in self.cells for pair in _DEFINITION.findall(source))
         return frozenset(a or b for a, b in found)
 
+    @property
+    def functions(self) -> frozenset[str]:
+        """Those of the names that are functions."""
+        found = (pair for _, source in self.cells for pair in _DEFINITION.findall(source))
+        return frozenset(a for a, _ in found if a)
+
 
 @dataclass(frozen=True)
 class Submission:

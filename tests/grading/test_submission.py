@@ -140,3 +140,10 @@ def test_a_folder_without_submissions_is_refused(tmp_path):
     for folder in ("nowhere", "empty", "file.ipynb"):
         with pytest.raises(UsageError, match="submissions"):
             read_folder(tmp_path / folder)
+
+
+def test_a_variable_that_is_called_like_an_exercise_brings_in_no_chapter(tmp_path):
+    from gpcourse.grading.run import chapters_in
+
+    (tmp_path / "ada.ipynb").write_text(notebook("def triangle_area(a, b, c):\n    return 0\ncube = 3"))
+    assert [chapter.stem for chapter in chapters_in(read_folder(tmp_path)[0].notebooks)] == ["welcome"]

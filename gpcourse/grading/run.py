@@ -167,7 +167,7 @@ def _named(chapters: Sequence[str]) -> tuple[Chapter, ...]:
 def chapters_in(notebooks: Sequence[Notebook]) -> tuple[Chapter, ...]:
     """Return the chapters that notebooks hold exercises of; none when nothing can be told.
 
-    A variable may be called like an exercise of another chapter (cube = …): functions decide, if there are any.
+    A variable may be called like an exercise of another chapter (cube = …): functions decide, if any.
     """
     for names in (
         {name for notebook in notebooks for name in notebook.functions},

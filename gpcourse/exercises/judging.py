@@ -158,7 +158,7 @@ def judge(exercise: Exercise, ask: Ask, seed: int) -> Verdict:
         if result.outcome == "not attempted":
             return Verdict(exercise, "not attempted")
         results.append(result)
-    results = name_mistakes(exercise, results)
+    results = name_mistakes(exercise, results, seed)
     first: Outcome = next((r.outcome for r in results if r.outcome != "passed"), "passed")
     changed = {name: None for r in results for q in r.questions for name in q.answer.changed}
     return Verdict(exercise, first, tuple(results), tuple(changed))
@@ -196,12 +196,12 @@ def _run(check: Check, asked: Asked, seed: int) -> CheckResult:
     return CheckResult(check, "passed", questions=tuple(asked.questions))
 
 
-def name_mistakes(exercise: Exercise, results: list[CheckResult]) -> list[CheckResult]:
+def name_mistakes(exercise: Exercise, results: list[CheckResult], seed: int) -> list[CheckResult]:
     """Give each failed check the known mistake that explains it, where there is one.
 
-    A mistake explains a check when it answers every question of that check, and of the checks that
-    passed, as the student did, and one question of that check otherwise than the reference. If several do,
-    the one that explains most of the other checks too is named.
+    A mistake explains a check when it answers every question of that check as the student did, one of
+    them otherwise than the reference, and would pass the checks that the student passed. If several do, the
+    one that explains most of the other checks too is named.
     """
     ours = [exercise.reference, *(mistake.function for mistake in exercise.mistakes)]
 
@@ -227,6 +227,16 @@ def name_mistakes(exercise: Exercise, results: list[CheckResult]) -> list[CheckR
             not alike(answer(m, r, q), answer(0, r, q), r, q) for q in range(len(results[r].questions))
         )
 
+    @cache
+    def spoils(m: int, r: int) -> bool:
+        if agrees(m, r):
+            return False
+        # Two right answers may differ, as those for points on a line: the check decides.
+        asked = Asked(
+            exercise, lambda arguments, limit: call(ours[m], arguments, limit, ours=True), exercise.time_limit
+        )
+        return _run(results[r].check, asked, seed).outcome != "passed"
+
     passed = [r for r, result in enumerate(results) if result.outcome == "passed"]
     named = list(results)
     for i, result in enumerate(results):
@@ -235,7 +245,7 @@ def name_mistakes(exercise: Exercise, results: list[CheckResult]) -> list[CheckR
         found = [
             m
             for m in range(1, len(ours))
-            if agrees(m, i) and errs(m, i) and all(agrees(m, r) for r in passed)
+            if agrees(m, i) and errs(m, i) and not any(spoils(m, r) for r in passed)
         ]
         if len(found) > 1:
             found.sort(key=lambda m: -sum(agrees(m, r) for r in range(len(results))))

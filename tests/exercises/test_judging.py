@@ -156,7 +156,8 @@ def test_a_mistake_that_errs_nowhere_in_a_check_does_not_explain_it(exercise):
     def vague(x):
         if x < 0:
             raise ValueError("no")  # right to refuse, but it does not say where
-        return 2 * x
+        # Wrong on large numbers, so that no passed check speaks against mistakes that are wrong there.
+        return 7.0 if x > 10 else 2 * x
 
     verdict = judge(exercise, ask_here(vague), 0)
     assert verdict.outcome == "failed"
@@ -180,3 +181,22 @@ def test_a_mistake_that_would_spoil_a_passed_check_is_not_named():
 
     assert judge(made, ask_here(lambda x: 9.0), 0).mistakes
     assert judge(made, ask_here(lambda x: 9.0 if x == 3 else 2 * x), 0).mistakes == ()
+
+
+def test_right_answers_that_differ_do_not_hide_a_mistake():
+    made = Exercise(double, notes="here", hints=["think"])
+
+    @made.check("of any sign")
+    def _(f, rng):
+        expect.close(abs(expect.number(f(1.0))), 2.0, 0.0, "The double")
+
+    @made.check("large")
+    def _(f, rng):
+        expect.close(expect.number(f(50.0)), 100.0, 0.0, "The double")
+
+    @made.mistake("large numbers give nothing", hint="What is twice 50?")
+    def _(x):
+        return 2 * x if x < 10 else 0.0
+
+    verdict = judge(made, ask_here(lambda x: -2 * x if x < 10 else 0.0), 0)
+    assert [m.name for m in verdict.mistakes] == ["large numbers give nothing"]

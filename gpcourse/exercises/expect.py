@@ -35,6 +35,8 @@ class Wrong(Exception):
         The input, in words.
     picture : callable, optional
         Makes the scene that shows it. It is called only when somebody looks.
+    handout : callable, optional
+        Makes a scene without the expected values, where `picture` shows them.
     """
 
     def __init__(
@@ -45,6 +47,7 @@ class Wrong(Exception):
         truth: str = "",
         on: str = "",
         picture: Callable[[], Scene] | None = None,
+        handout: Callable[[], Scene] | None = None,
     ) -> None:
         super().__init__(message)
         self.message = message
@@ -52,6 +55,7 @@ class Wrong(Exception):
         self.truth = truth
         self.on = on
         self.picture = picture
+        self.handout = handout or picture
 
 
 def brief(value: object, limit: int = 120) -> str:

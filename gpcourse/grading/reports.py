@@ -76,7 +76,7 @@ def student_page(report: Report, chapters: Sequence[Chapter], seed: int) -> str:
             "summary": judged.verdict.exercise.summary.replace("`", ""),
             "outcome": judged.verdict.outcome,
             # as_html escapes what comes from a student
-            "html": Markup(feedback.as_html(judged.verdict)) if judged.verdict.results else "",
+            "html": Markup(feedback.as_html(judged.verdict, answers=False)) if judged.verdict.results else "",
             "notes": judged.notes,
             "missing": judged.missing,
         }

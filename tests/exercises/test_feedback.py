@@ -248,6 +248,22 @@ def test_a_lone_surrogate_does_no_harm():
     clean("\ud800 and more").encode("utf-8")
 
 
+def test_a_page_that_is_handed_out_does_not_say_what_is_true(exercise):
+    verdict = judge(exercise, ask_here(lambda values: -1.5), 0)
+    truth = verdict.results[0].wrong.truth
+    kept = dict(content(verdict, answers=False).problem.facts)
+    assert dict(content(verdict).problem.facts)["true"] == truth
+    assert kept["yours"] == "-1.5" and "true" not in kept
+    words = Parsed(as_html(verdict, answers=False, picture=False)).text
+    assert "yours" in words and not re.search(r"\btrue\b", words)
+
+
+def test_a_page_that_is_handed_out_shows_the_picture_made_for_it():
+    wrong = expect.Wrong("no", picture=lambda: 1, handout=lambda: 2)
+    assert wrong.handout() == 2
+    assert expect.Wrong("no", picture=lambda: 1).handout() == 1
+
+
 def test_the_picture_is_drawn_when_somebody_looks(exercise):
     verdict = judge(exercise, ask_here(lambda values: -1), 0)
     as_text(verdict)

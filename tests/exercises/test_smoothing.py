@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gpcourse.exercises.judging import ask_here, judge
-from gpcourse.exercises.smoothing import EXERCISES, inputs, truths
+from gpcourse.exercises.smoothing import EXERCISES, inputs, pictures, truths
 from gpcourse.geometry import shapes
 
 SEEDS = range(8)
@@ -144,12 +144,13 @@ def test_a_check_takes_less_than_150_ms_of_cpu(exercise):
 
 @pytest.mark.parametrize("exercise", EXERCISES, ids=lambda e: e.name)
 def test_pictures_of_failures_can_be_made(exercise):
-    pictures = 0
+    drawn = 0
     for mistake in exercise.mistakes:
         for result in judge(exercise, ask_here(mistake.function), 1).results:
             if result.wrong is not None and result.wrong.picture is not None:
                 assert result.wrong.picture().alt
-                pictures += 1
+                assert result.wrong.handout().alt
+                drawn += 1
     without_pictures = {
         "uniform_laplacian",
         "mass_matrix",
@@ -162,4 +163,20 @@ def test_pictures_of_failures_can_be_made(exercise):
         "membrane_energy",
         "thin_plate_energy",
     }
-    assert (pictures > 0) == (exercise.name not in without_pictures)
+    assert (drawn > 0) == (exercise.name not in without_pictures)
+
+
+def test_three_panels_mark_the_vertex_that_is_worst():
+    ball = shapes.icosphere(1)
+    truth = np.linspace(-1.0, 1.0, len(ball.vertices))
+    yours = truth.copy()
+    yours[[7, 20]] += 0.1, -0.4
+    scene = pictures.of_values(ball.vertices, ball.faces, yours, truth, "H")()
+    assert [panel.title for panel in scene.panels] == ["yours", "expected", "difference, worst at vertex 20"]
+    scales = scene.scales()
+    assert scales[0] == scales[1] and scales[2].high == pytest.approx(0.4)
+    for panel in scene.panels:
+        assert panel.layers[-1].positions == pytest.approx(ball.vertices[[20]])
+        assert np.dot(panel.camera.direction, ball.vertices[20]) > 0
+    own = pictures.of_own_values(ball.vertices, ball.faces, yours, truth, "H")()
+    assert [panel.title for panel in own.panels] == ["yours, worst at vertex 20"]

@@ -84,8 +84,8 @@ class Content:
     notes: tuple[str, ...] = ()
 
 
-def content(verdict: Verdict) -> Content:
-    """Put a verdict into words."""
+def content(verdict: Verdict, *, answers: bool = True) -> Content:
+    """Put a verdict into words; without `answers`, what is true is neither written nor drawn."""
     exercise = verdict.exercise
     shown = () if verdict.outcome == "not attempted" else verdict.results
     problem = verdict.first_problem if shown else None
@@ -97,7 +97,7 @@ def content(verdict: Verdict) -> Content:
         points=verdict.points,
         of=exercise.points,
         rows=tuple(_row(result) for result in shown),
-        problem=None if problem is None else _problem(verdict, problem),
+        problem=None if problem is None else _problem(verdict, problem, answers),
         notes=tuple(_notes(verdict, problem)),
     )
 
@@ -124,9 +124,9 @@ def _row(result: CheckResult) -> Row:
     return Row(result.outcome, mark, word, result.check.claim, result.points, result.check.points)
 
 
-def _problem(verdict: Verdict, result: CheckResult) -> Problem:
+def _problem(verdict: Verdict, result: CheckResult, answers: bool) -> Problem:
     exercise, wrong, trouble = verdict.exercise, result.wrong, result.trouble
-    facts, legend = _facts(verdict, result)
+    facts, legend = _facts(verdict, result, answers)
     message = _HAPPENED.get(result.outcome, "").format(limit=exercise.time_limit)
     if wrong is not None:
         message = sentence(clean(wrong.message))
@@ -145,16 +145,19 @@ def _problem(verdict: Verdict, result: CheckResult) -> Problem:
         mistake=f"It looks as if {known.name}." if known else "",
         hint=known.hint if known else "",
         fault=clean(result.fault, 6000),
-        picture=wrong.picture if wrong else None,
+        picture=None if wrong is None else wrong.picture if answers else wrong.handout,
     )
 
 
-def _facts(verdict: Verdict, result: CheckResult) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
+def _facts(
+    verdict: Verdict, result: CheckResult, answers: bool
+) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
     facts: list[tuple[str, str]] = []
     legend: list[str] = []
     if result.wrong is not None:
         wrong = result.wrong
-        facts = [("yours", wrong.yours), ("true", wrong.truth), ("input", wrong.on)]
+        truth = wrong.truth if answers else ""
+        facts = [("yours", wrong.yours), ("true", truth), ("input", wrong.on)]
         facts = [(label, clean(value, 400)) for label, value in facts if value]
     if result.question is not None:
         parameters = list(verdict.exercise.signature.parameters)

@@ -18,7 +18,7 @@ _TINTS: dict[Outcome, str] = {
 _WRONG = "215, 110, 20"
 
 
-def as_html(verdict: Verdict, *, picture: bool = True, rerun: bool = False) -> str:
+def as_html(verdict: Verdict, *, picture: bool = True, rerun: bool = False, answers: bool = True) -> str:
     """Return the feedback on one exercise as HTML, a single element.
 
     Parameters
@@ -27,8 +27,10 @@ def as_html(verdict: Verdict, *, picture: bool = True, rerun: bool = False) -> s
         Whether to draw the picture, where there is one. Drawing takes about a fifth of a second.
     rerun : bool
         Whether to say how the failing call can be run again; true in a notebook only.
+    answers : bool
+        Whether to say and draw what is true; false on pages that are handed out.
     """
-    said = content(verdict)
+    said = content(verdict, answers=answers)
     drawn = _drawn(said.problem) if picture and said.problem else ""
     return template("panel.html").render(  # type: ignore[no-any-return]
         said=said, picture=drawn, rerun=rerun, tint=tint(said.outcome), tint_of=tint

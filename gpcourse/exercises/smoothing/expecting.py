@@ -38,8 +38,9 @@ def values(
         away = ~only if truth.ndim == 1 else np.repeat(~only[:, None], truth.shape[1], axis=1)
         mine = np.where(away, truth, mine)
     size = float(np.abs(truth).max()) if scale is None else scale
-    picture = pictures.of_values(shape.vertices, faces_of(shape), mine, truth, what.removeprefix("The "))
-    expect.close(mine, truth, SINGLE * size, what, on=on, picture=picture)
+    shown = (shape.vertices, faces_of(shape), mine, truth, what.removeprefix("The "))
+    picture, handout = pictures.of_values(*shown), pictures.of_own_values(*shown)
+    expect.close(mine, truth, SINGLE * size, what, on=on, picture=picture, handout=handout)
 
 
 def positions(value: object, truth: FloatArray, shape: shapes.Shape, *, on: str) -> None:
@@ -47,7 +48,9 @@ def positions(value: object, truth: FloatArray, shape: shapes.Shape, *, on: str)
     mine = expect.array(value, truth.shape, "The array of positions", on=on)
     size = float(np.ptp(shape.vertices, axis=0).max()) + 1e-2 * float(np.abs(shape.vertices).max())
     picture = pictures.of_positions(shape.vertices, mine, truth, faces_of(shape))
-    expect.close(mine, truth, SINGLE * size, "The position of a vertex", on=on, picture=picture)
+    handout = pictures.of_own_positions(shape.vertices, mine, faces_of(shape))
+    what = "The position of a vertex"
+    expect.close(mine, truth, SINGLE * size, what, on=on, picture=picture, handout=handout)
 
 
 def pair(value: Any, what: str, *, on: str = "") -> tuple[Any, Any]:

@@ -29,6 +29,8 @@ lab: $(READY) ## set up, then open the course in JupyterLab
 
 # Two workers on two cores: more threads in BLAS would only wait for each other.
 nbval pytest: export OPENBLAS_NUM_THREADS = 1
+# Still pictures are quicker: the page that can be turned has tests of its own.
+nbval: export GPCOURSE_VIEW = static
 
 test: lint nbval pytest ## set up, then run all that CI runs
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from base64 import b64encode
+from collections.abc import Sequence
 from functools import cached_property
 from html import escape
 from pathlib import Path
 
 from gpcourse.errors import ArrayError
+from gpcourse.view.interactive import embedded, is_static, page
 from gpcourse.view.scene import Scene
 
 
@@ -15,13 +17,27 @@ class Picture:
     """A drawn scene.
 
     As text it is its description in words, so that the output of a notebook cell states a fact;
-    as HTML it is an image with that description. There is no second copy as ``image/png``.
+    in a notebook it can be turned, and is an image with that description where scripts may not run, or
+    where `static` says so. There is no second copy as ``image/png``.
+
+    Parameters
+    ----------
+    scene : Scene
+        What the image shows, and the page too if there are no frames.
+    static : bool or None
+        Show the image only; None leaves it to the environment variable ``GPCOURSE_VIEW``.
+    frames : list of (name, scene)
+        Shown one at a time, with a slider.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(
+        self, scene: Scene, *, static: bool | None = None, frames: Sequence[tuple[str, Scene]] = ()
+    ) -> None:
         if not isinstance(scene, Scene):
             raise ArrayError(f"a {type(scene).__name__} is not a scene; see gpcourse.view.scene")
         self.scene = scene
+        self.frames = tuple(frames) or (("", scene),)
+        self._static = static
 
     @cached_property
     def _bytes(self) -> bytes:
@@ -34,9 +50,12 @@ class Picture:
         return self._bytes
 
     def save(self, path: str | Path) -> None:
-        """Write the picture to a PNG file; ArrayError if `path` has another ending."""
+        """Write a PNG file, or the page that can be turned as .html; ArrayError for another ending."""
+        if Path(path).suffix.lower() == ".html":
+            Path(path).write_text(page(self.frames), encoding="utf-8")
+            return
         if Path(path).suffix.lower() != ".png":
-            raise ArrayError(f"{path} does not end in .png; pictures are saved as PNG files")
+            raise ArrayError(f"{path} does not end in .png or .html; a picture is saved as one of them")
         Path(path).write_bytes(self.png())
 
     def html(self) -> str:
@@ -46,7 +65,7 @@ class Picture:
         return f'<img alt="{alt}" src="data:image/png;base64,{data}" style="max-width:100%">'
 
     def _repr_html_(self) -> str:
-        return self.html()
+        return self.html() if is_static(self._static) else embedded(self.frames, self.html())
 
     def __repr__(self) -> str:
         return self.scene.alt

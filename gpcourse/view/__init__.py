@@ -79,7 +79,7 @@ def mesh(
     if labels == "halfedges" and isinstance(subject, HalfedgeMesh):
         if values is not None:
             raise ArrayError("values cannot be shown under numbered half-edges; leave out one of the two")
-        return Picture(halfedge_scene(subject, **settings))
+        return Picture(halfedge_scene(subject, **settings), static=static)
     return Picture(mesh_scene(subject, values, labels=labels, **settings), static=static)
 
 
@@ -141,31 +141,41 @@ def _titled(one: Scene, name: str) -> Scene:
 
 
 def halfedges(
-    mesh: HalfedgeMesh, highlight: Mapping[int, str] | Sequence[int] | None = None, **settings: Any
+    mesh: HalfedgeMesh,
+    highlight: Mapping[int, str] | Sequence[int] | None = None,
+    *,
+    static: bool | None = None,
+    **settings: Any,
 ) -> Picture:
     """Draw every half-edge as a numbered arrow inside its face; `highlight` some of them.
 
     The settings are those of `halfedge_scene`: ``faces, labels, vertex_numbers, title, direction, alt``.
     """
-    return Picture(halfedge_scene(mesh, highlight, **settings))
+    return Picture(halfedge_scene(mesh, highlight, **settings), static=static)
 
 
-def neighbours(subject: object, vertex: int, order: Sequence[int], **settings: Any) -> Picture:
+def neighbours(
+    subject: object, vertex: int, order: Sequence[int], *, static: bool | None = None, **settings: Any
+) -> Picture:
     """Number the neighbours of a vertex in the order given. Settings: ``title, direction, alt``."""
-    return Picture(neighbours_scene(subject, vertex, order, **settings))
+    return Picture(neighbours_scene(subject, vertex, order, **settings), static=static)
 
 
-def points(positions: object, values: object = None, **settings: Any) -> Picture:
+def points(
+    positions: object, values: object = None, *, static: bool | None = None, **settings: Any
+) -> Picture:
     """Show points. Settings: ``colour, size, title, direction, colour_map, limits, value_name, alt``."""
-    return Picture(points_scene(positions, values, **settings))
+    return Picture(points_scene(positions, values, **settings), static=static)
 
 
-def curves(lines: object, **settings: Any) -> Picture:
+def curves(lines: object, *, static: bool | None = None, **settings: Any) -> Picture:
     """Show one curve or several. Settings: ``colours, closed, on, width, title, direction, alt``."""
-    return Picture(curves_scene(lines, **settings))
+    return Picture(curves_scene(lines, **settings), static=static)
 
 
-def side_by_side(*pictures: Picture | Scene, shared_scale: bool = True, alt: str | None = None) -> Picture:
+def side_by_side(
+    *pictures: Picture | Scene, shared_scale: bool = True, static: bool | None = None, alt: str | None = None
+) -> Picture:
     """Put pictures in a row; values in all of them are coloured by one scale if `shared_scale`."""
     scenes = [picture.scene if isinstance(picture, Picture) else picture for picture in pictures]
-    return Picture(scene.side_by_side(scenes, shared_scale=shared_scale, alt=alt))
+    return Picture(scene.side_by_side(scenes, shared_scale=shared_scale, alt=alt), static=static)

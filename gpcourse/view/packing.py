@@ -31,13 +31,16 @@ class Block:
     def __init__(self) -> None:
         self.parts: list[bytes] = []
         self.length = 0
+        self.known: dict[tuple[bytes, int], dict[str, Any]] = {}
 
     def add(self, array: Any, kind: str) -> dict[str, Any]:
         """Append an array as little-endian `kind` (``u1, u2, u4``); bytes of one weight lie together."""
         flat = np.ascontiguousarray(array).ravel().astype(f"<{kind}")
         width = flat.dtype.itemsize
         planes = flat.view(np.uint8).reshape(-1, width).T.tobytes()  # deflates better so
-        entry = {"at": self.length, "n": len(flat), "w": width}
+        if (planes, width) in self.known:  # frames of a motion have their faces in common
+            return self.known[planes, width]
+        entry = self.known[planes, width] = {"at": self.length, "n": len(flat), "w": width}
         self.parts.append(planes)
         self.length += len(planes)
         return entry

@@ -289,6 +289,26 @@ def scipy_ten_steps(m: Mesh) -> Task:
     return task
 
 
+def igl_ten_steps(m: Mesh) -> Task:
+    import igl
+
+    step = m.step
+    none, nothing = np.empty(0, dtype=np.int64), np.empty((0, 3))
+
+    def task() -> object:
+        M = igl.massmatrix(m.vertices, m.faces, igl.MASSMATRIX_TYPE_VORONOI)
+        system = sparse.csc_matrix(M - step * igl.cotmatrix(m.vertices, m.faces))
+        no_rows = sparse.csc_matrix((0, len(m.vertices)))
+        data = igl.min_quad_with_fixed_data()
+        igl.min_quad_with_fixed_precompute(system, none, no_rows, True, data)
+        x = m.vertices
+        for _ in range(10):
+            x = igl.min_quad_with_fixed_solve(data, -(M @ x), nothing, nothing)
+        return x
+
+    return task
+
+
 def gpytoolbox_ten_steps(m: Mesh) -> Task:
     import gpytoolbox
 
@@ -391,6 +411,7 @@ CASES = (
         "ten implicit steps",
         (
             Contender(OURS, our_ten_steps),
+            Contender("libigl min_quad", igl_ten_steps),
             Contender("gpytoolbox min_quad", gpytoolbox_ten_steps),
             Contender("SciPy splu", scipy_ten_steps),
         ),

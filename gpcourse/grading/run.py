@@ -7,7 +7,7 @@ import tempfile
 import threading
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
-from contextlib import closing
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -192,15 +192,19 @@ def _judge_all(
     lines: list[Line] = []
 
     def start(package: Path, limits: confine.Limits) -> Line:
-        line = confine.launch(package, limits)
+        line = launch(package, limits)
         lines.append(line)
         if stopped.is_set():  # asked after it is in the list, so that no process is overlooked
             line.close()
             raise WorkerError("grading was interrupted")
         return line
 
-    with tempfile.TemporaryDirectory(prefix="gpcourse-", ignore_cleanup_errors=True) as root:
+    with (
+        tempfile.TemporaryDirectory(prefix="gpcourse-", ignore_cleanup_errors=True) as root,
+        ExitStack() as opened,
+    ):
         package = home.build(Path(root) / "home", fonts=fonts)
+        launch = opened.enter_context(confine.launcher(package, ("matplotlib.pyplot",) if fonts else ()))
 
         def open_worker(notebook: Notebook) -> Worker:
             return Worker(list(notebook.cells), package, limits, start)

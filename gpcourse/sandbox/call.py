@@ -63,9 +63,14 @@ class Answer:
 
 
 def call(
-    function: Callable[..., Any], arguments: Sequence[Any], limit: float, *, ours: bool = False
+    function: Callable[..., Any],
+    arguments: Sequence[Any],
+    limit: float,
+    wall: float | None = None,
+    *,
+    ours: bool = False,
 ) -> Answer:
-    """Call `function` on copies of `arguments`, for at most `limit` seconds.
+    """Call `function` on copies of `arguments`, for at most `limit` seconds (see `deadline`).
 
     Whatever the function does, short of ending the process, becomes an `Answer`; only the
     user's own KeyboardInterrupt passes through. A function of `ours` leaves its arguments alone,
@@ -76,7 +81,7 @@ def call(
     value, trouble = None, None
     start = time.perf_counter()
     try:
-        with deadline(limit):
+        with deadline(limit, wall):
             value = function(*given)
     except KeyboardInterrupt:
         raise

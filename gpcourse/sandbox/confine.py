@@ -1,9 +1,10 @@
 """Starting the process that student code runs in.
 
-`launch` is the seam: a stronger confinement is another function of the same form, which starts the same
-`worker.main` in namespaces, or forks it from a process that has numpy loaded already, and returns a `Line`.
+`launcher` is the seam: it yields a function that starts the same `worker.main` and returns a `Line`. On
+Linux the process is forked from a parent that has numpy loaded already and lives in namespaces
+(`forking`); elsewhere it is started afresh (`launch`).
 
-What this one gives: a process in a session and a working folder of its own, with a clean environment,
+What both give: a process in a session and a working folder of its own, with a clean environment,
 limits of memory, processor time, file size and open files where the system has them; `Line` gives
 each question a limit of time; and before it gets a notebook the worker locks itself in (`lockdown`) and says
 what level it reached.
@@ -16,6 +17,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,9 +26,16 @@ from gpcourse.errors import WorkerError
 from gpcourse.sandbox import home
 from gpcourse.sandbox.line import Gone, Line
 from gpcourse.sandbox.lockdown import Confinement, Level
+from gpcourse.sandbox.process import Fresh
 
 _THREADS = ("OPENBLAS", "OMP", "MKL", "NUMEXPR", "VECLIB_MAXIMUM")
 _KEPT = ("OPENBLAS_CORETYPE", "OPENBLAS_L2_SIZE", "SYSTEMROOT", "WINDIR")
+#: Options of Python: like -I, but with the fixed hash seed of the environment, so that sets of strings have
+#: one order.
+OPTIONS = ("-s", "-P", "-B", "-W", "ignore")
+#: Seconds until a process is ready.
+START = 120.0
+
 _BOOT = """
 import sys
 sys.path[:] = [{home!r}] + [p for p in sys.path if p != {course!r}]
@@ -41,13 +51,17 @@ class Limits:
     Attributes
     ----------
     load : float
-        Seconds to read the notebook, and to run what one function needs.
+        Seconds of processor time to read the notebook, and to run what one function needs.
     memory, file : int
         Bytes of address space, and of one file that it writes.
+    scratch, files : int
+        Bytes and number of all files that it writes; only namespaces can limit that.
     processor : int
         Seconds of processor time in all.
     start : float
         Seconds until it is ready for a notebook.
+    patience : float
+        What takes so many times its limit, and a second more, on the clock is taken to hang.
     least : Level
         The confinement that it must reach; it gets no notebook otherwise.
     """
@@ -56,8 +70,15 @@ class Limits:
     memory: int = 3 * 2**30
     processor: int = 600
     file: int = 64 * 2**20
-    start: float = 120.0
+    scratch: int = 128 * 2**20
+    files: int = 2000
+    start: float = START
+    patience: float = 10.0
     least: Level = "limits"
+
+    def wall(self, seconds: float) -> float:
+        """Return after how many seconds on the clock a call of so many `seconds` of processor time hangs."""
+        return self.patience * (seconds + 1.0)
 
     @property
     def resources(self) -> dict[str, int]:
@@ -69,6 +90,10 @@ class Limits:
             "RLIMIT_NOFILE": 256,
             "RLIMIT_CORE": 0,
         }
+
+
+#: ``launch(package, limits)`` starts a worker and returns the line to it.
+Launch = Callable[[Path, Limits], Line]
 
 
 def launch(package: Path, limits: Limits) -> Line:
@@ -90,8 +115,7 @@ def launch(package: Path, limits: Limits) -> Line:
     )
     try:
         process = subprocess.Popen(
-            # Like -I, but with the fixed hash seed of the environment below: sets of strings have one order.
-            [sys.executable, "-s", "-P", "-B", "-W", "ignore", "-c", boot],
+            [sys.executable, *OPTIONS, "-c", boot],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
@@ -103,15 +127,40 @@ def launch(package: Path, limits: Limits) -> Line:
     except OSError as error:
         shutil.rmtree(scratch, ignore_errors=True)
         raise WorkerError(f"no process could be started for a notebook: {error}") from error
-    return _greeted(Line(process, scratch), limits)
+    if process.stdin is None or process.stdout is None:
+        raise WorkerError("a process for a notebook has no pipes")
+    sink, source = (os.dup(pipe.fileno()) for pipe in (process.stdin, process.stdout))
+    process.stdin.close()
+    process.stdout.close()
+    return greeted(Line(Fresh(process), sink, source, scratch), limits)
 
 
-def _greeted(line: Line, limits: Limits) -> Line:
+@contextmanager
+def launcher(package: Path, modules: tuple[str, ...] = ()) -> Iterator[Launch]:
+    """Yield the quickest and strongest way to start workers here; all end with the block.
+
+    Parameters
+    ----------
+    package : Path
+        A folder made by `home.build`.
+    modules : tuple of str
+        What is worth loading once for all workers, besides numpy and SciPy.
+    """
+    from gpcourse.sandbox.forking import Parent, can_fork
+
+    if not can_fork():
+        yield launch
+        return
+    with Parent(package, modules) as parent:
+        yield parent.launch
+
+
+def greeted(line: Line, limits: Limits) -> Line:
     """Wait until the worker says how far it is confined; it has run nothing of a student's until then."""
     try:
         line.greet(limits.start)
     except Gone as gone:
-        raise WorkerError(f"a process for a notebook did not start: {gone}") from None
+        raise WorkerError(f"a process for a notebook did not start: {gone} {gone.place}") from None
     except BaseException:
         line.close()
         raise
@@ -133,9 +182,11 @@ def level_here() -> Confinement:
         If none can be started.
     """
     with tempfile.TemporaryDirectory(prefix="gpcourse-", ignore_cleanup_errors=True) as root:
-        line = launch(home.build(Path(root) / "home"), Limits())
-        line.close()
-        return line.confinement
+        package = home.build(Path(root) / "home")
+        with launcher(package) as start:
+            line = start(package, Limits())
+            line.close()
+            return line.confinement
 
 
 def environment(scratch: Path, package: Path) -> dict[str, str]:

@@ -19,14 +19,18 @@ class TimeLimit(BaseException):
 
 
 @contextmanager
-def deadline(seconds: float) -> Iterator[None]:
-    """Interrupt the block with `TimeLimit` once it has run for `seconds` of wall time.
+def deadline(seconds: float, wall: float | None = None) -> Iterator[None]:
+    """Interrupt the block with `TimeLimit` once it has run for `seconds`.
+
+    That is time on the clock. Where `wall` is given, and this is the main thread of a POSIX system, it is
+    processor time, which does not grow while others keep the machine busy; and the block is also
+    interrupted after `wall` seconds on the clock, since what waits uses none.
 
     Works on endless Python loops. A call that stays inside compiled code is interrupted when
     it returns to Python; only another process can end one that never does.
     """
     if hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread():
-        with _by_signal(seconds):
+        with _by_signal(seconds, wall):
             yield
     else:
         with _by_thread(seconds):
@@ -34,21 +38,26 @@ def deadline(seconds: float) -> Iterator[None]:
 
 
 @contextmanager
-def _by_signal(seconds: float) -> Iterator[None]:
+def _by_signal(seconds: float, wall: float | None) -> Iterator[None]:
     running = True
 
     def interrupt(signum: int, frame: FrameType | None) -> None:
         if running:
             raise TimeLimit
 
-    before = signal.signal(signal.SIGALRM, interrupt)
+    timers = [(signal.SIGALRM, signal.ITIMER_REAL, seconds if wall is None else wall)]
+    if wall is not None:
+        timers.append((signal.SIGPROF, signal.ITIMER_PROF, seconds))
+    before = [signal.signal(number, interrupt) for number, _, _ in timers]
     try:
-        signal.setitimer(signal.ITIMER_REAL, seconds, _REPEAT)
+        for _, timer, after in timers:
+            signal.setitimer(timer, after, _REPEAT)
         yield
     finally:
         running = False  # from here on a late alarm does nothing
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
+        for (number, timer, _), handler in zip(timers, before, strict=True):
+            signal.setitimer(timer, 0)
+            signal.signal(number, handler)
 
 
 @contextmanager

@@ -11,7 +11,7 @@ PACKAGE = Path(__file__).resolve().parent.parent
 #: The modules of the sandbox that run in the worker.
 _SANDBOX = (
     "__init__", "call", "deadline", "values", "encoding", "decoding", "wire", "program", "worker",
-    "landlock", "seccomp", "lockdown",
+    "landlock", "seccomp", "lockdown", "namespaces", "parent",
 )  # fmt: skip
 
 #: Where in the folder matplotlib finds its list of fonts, which takes it seconds to make.

@@ -15,6 +15,7 @@ import ctypes
 import os
 import sys
 from collections.abc import Collection, Iterable, Iterator
+from functools import cache
 from pathlib import Path
 
 #: The system calls have these numbers on every architecture.
@@ -56,17 +57,15 @@ def version() -> int:
     return _call(_CREATE_RULESET, None, ctypes.c_size_t(0), ctypes.c_uint32(_VERSION_FLAG))
 
 
-def confine(readable: Iterable[Path], writable: Iterable[Path], hidden: Collection[Path] = ()) -> None:
+def confine(readable: Iterable[Grant], writable: Iterable[Path]) -> None:
     """Let this process open nothing but `readable` and `writable`, from now on and for good.
 
     Parameters
     ----------
-    readable : paths
-        Files and folders that may be read; those that do not exist are passed over.
+    readable : Grants
+        Files and folders that may be read, from `readings`; those that do not exist are passed over.
     writable : paths
         Folders in which regular files, folders and links may be made, changed and removed.
-    hidden : paths
-        What must not be read although it lies in a readable folder.
 
     Raises
     ------
@@ -76,7 +75,7 @@ def confine(readable: Iterable[Path], writable: Iterable[Path], hidden: Collecti
     number = version()
     kinds = (1 << _KINDS.get(number, _KINDS_NOW)) - 1
     special = _EXECUTE | _MAKE_CHAR | _MAKE_SOCK | _MAKE_FIFO | _MAKE_BLOCK
-    grants = [*readings(readable, hidden), *((path, kinds & ~special) for path in writable)]
+    grants = [*readable, *((path, kinds & ~special) for path in writable)]
     attributes = _Ruleset(kinds, _TCP if number >= 4 else 0, _SCOPES if number >= 6 else 0)
     size = ctypes.c_size_t(8 if number < 4 else 16 if number < 6 else 24)
     ruleset = _call(_CREATE_RULESET, ctypes.byref(attributes), size, ctypes.c_uint32(0))
@@ -91,7 +90,7 @@ def confine(readable: Iterable[Path], writable: Iterable[Path], hidden: Collecti
 
 def no_new_privileges() -> None:
     """Give up what a program could gain by being run: the kernel asks for it before it lets us confine."""
-    if ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0):
+    if _libc().prctl(_PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0):
         raise OSError(ctypes.get_errno(), os.strerror(ctypes.get_errno()))
 
 
@@ -134,8 +133,13 @@ def _grant(ruleset: int, path: Path, allowed: int) -> None:
         os.close(handle)
 
 
+@cache
+def _libc() -> ctypes.CDLL:
+    return ctypes.CDLL(None, use_errno=True)
+
+
 def _call(number: int, *arguments: object) -> int:
-    result: int = ctypes.CDLL(None, use_errno=True).syscall(ctypes.c_long(number), *arguments)
+    result: int = _libc().syscall(ctypes.c_long(number), *arguments)
     if result < 0:
         code = ctypes.get_errno()
         raise OSError(code, os.strerror(code))

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import selectors
 import shutil
 import signal
-import subprocess
 import sys
 import threading
 import time
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from gpcourse.errors import WireError
 from gpcourse.sandbox import wire
 from gpcourse.sandbox.call import Status
 from gpcourse.sandbox.lockdown import LEVELS, Confinement
+from gpcourse.sandbox.process import Process, processor_seconds
 from gpcourse.sandbox.worker import CRASH_FILE
+
+#: Seconds between two looks at the processor time that a process has used.
+_SHORTEST = 0.02
 
 
 class Gone(Exception):
@@ -30,22 +35,60 @@ class Gone(Exception):
         self.place = place
 
 
+@dataclass(frozen=True)
+class Until:
+    """When a wait ends: at a time on the clock, or when the process `pid` has used so much processor time."""
+
+    wall: float
+    pid: int = 0
+    processor: float = math.inf
+
+    def reached(self) -> bool:
+        """Tell whether it is time."""
+        return time.monotonic() >= self.wall or self._left() <= 0.0
+
+    def next_look(self) -> float:
+        """Return how many seconds from now it may be time at the earliest."""
+        # All its threads together may use several seconds in one.
+        soonest = max(self._left() / (os.cpu_count() or 1), _SHORTEST)
+        return max(min(self.wall - time.monotonic(), soonest), 0.0)
+
+    def _left(self) -> float:
+        used = processor_seconds(self.pid) if self.pid else None
+        return math.inf if used is None else self.processor - used
+
+
 class Line:
     """One worker process, and the two pipes to it."""
 
-    def __init__(self, process: subprocess.Popen[bytes], scratch: Path) -> None:
+    def __init__(
+        self,
+        process: Process,
+        sink: int,
+        source: int,
+        scratch: Path,
+        *,
+        folder: Path | None = None,
+        last_words: IO[bytes] | None = None,
+    ) -> None:
+        """Hold a process: what is written to `sink` it reads, what it writes comes from `source`.
+
+        `scratch` is its working folder as it sees it, `folder` the same as it is seen from here. What it says
+        of a crash stands in `last_words`, or in a file in its folder.
+        """
         self.process = process
+        self.sink, self.source = sink, source
         self.scratch = scratch
+        self.folder = folder or scratch
+        self.last_words = last_words
         self.number = 0
         self.closed = False
         self.confinement = Confinement()
-        pipes = process.stdin, process.stdout
-        self.sink, self.source = (pipe.fileno() for pipe in pipes if pipe is not None)
 
     def greet(self, seconds: float) -> None:
         """Read the first frame, which says how far the worker is confined, or raise `Gone`."""
         try:
-            said = wire.unpack(self._exchange(b"", time.monotonic() + seconds))
+            said = wire.unpack(self._exchange(b"", Until(time.monotonic() + seconds)))
             level = said["level"]
             self.confinement = Confinement(LEVELS[LEVELS.index(level)], tuple(map(str, said["missing"])))
         except TimeoutError:
@@ -55,17 +98,19 @@ class Line:
         except (WireError, TypeError, KeyError, ValueError) as error:
             raise self._gone("crashed", f"its greeting could not be read: {error}") from None
 
-    def request(self, do: str, seconds: float, **content: Any) -> dict[Any, Any]:
-        """Send a request and return the reply, or raise `Gone` after `seconds`, with the process ended.
+    def request(self, do: str, seconds: float, wall: float, /, **content: Any) -> dict[Any, Any]:
+        """Send a request and return the reply, or raise `Gone`, with the process ended.
+
+        It may take `seconds` of processor time, where that can be read, and `wall` seconds on the clock.
 
         Raises WireError if the request cannot be sent as a frame: nothing happens to the process then.
         """
         self.number += 1
         frame = wire.pack({"number": self.number, "do": do, **content})
         try:
-            answer = wire.unpack(self._exchange(frame, time.monotonic() + seconds))
+            answer = wire.unpack(self._exchange(frame, self._until(seconds, wall)))
         except TimeoutError:
-            dead = self.process.poll() is not None  # somebody else holds its pipe open
+            dead = self.process.code() is not None  # somebody else holds its pipe open
             raise self._gone("crashed" if dead else "timeout") from None
         except (OSError, EOFError):
             raise self._gone("crashed") from None
@@ -76,9 +121,9 @@ class Line:
         return answer
 
     def _gone(self, status: Status, message: str = "") -> Gone:
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self.process.wait(0 if status == "timeout" else 1.0)
-        code = self.process.poll()
+        late = time.monotonic() + (0.0 if status == "timeout" else 1.0)
+        while (code := self.process.code()) is None and time.monotonic() < late:
+            time.sleep(0.005)
         place = self._crash_place()
         self.close()
         if not message:
@@ -86,25 +131,35 @@ class Line:
         return Gone(status, message, place)
 
     def _crash_place(self) -> str:
-        with contextlib.suppress(OSError), (self.scratch / CRASH_FILE).open("rb") as file:
-            return file.read(4096).decode("ascii", "replace")
+        with contextlib.suppress(OSError):
+            if self.last_words is not None:
+                return os.pread(self.last_words.fileno(), 4096, 0).decode("ascii", "replace")
+            with (self.folder / CRASH_FILE).open("rb") as file:
+                return file.read(4096).decode("ascii", "replace")
         return ""
 
-    def _exchange(self, frame: bytes, until: float) -> bytes:
+    def _until(self, seconds: float, wall: float) -> Until:
+        used = processor_seconds(self.process.pid)
+        now = time.monotonic()
+        if used is None:
+            return Until(now + wall)
+        return Until(now + wall, self.process.pid, used + seconds)
+
+    def _exchange(self, frame: bytes, until: Until) -> bytes:
         if sys.platform == "win32":
             return self._exchange_blocking(frame, until)
         self._send(memoryview(frame), until)
         head = self._read(wire.HEAD.size, until)
         return head + self._read(sum(wire.lengths(head)), until)
 
-    def _send(self, rest: memoryview, until: float) -> None:
+    def _send(self, rest: memoryview, until: Until) -> None:
         os.set_blocking(self.sink, False)
         while rest:
             _wait([], [self.sink], until)
             with contextlib.suppress(BlockingIOError):
                 rest = rest[os.write(self.sink, rest) :]
 
-    def _read(self, length: int, until: float) -> bytes:
+    def _read(self, length: int, until: Until) -> bytes:
         os.set_blocking(self.source, False)
         parts, missing = [], length
         while missing:
@@ -117,7 +172,7 @@ class Line:
                 missing -= len(part)
         return b"".join(parts)
 
-    def _exchange_blocking(self, frame: bytes, until: float) -> bytes:
+    def _exchange_blocking(self, frame: bytes, until: Until) -> bytes:
         """For Windows, where one cannot wait for a pipe: the process is killed from a second thread."""
         late = threading.Event()
 
@@ -125,7 +180,7 @@ class Line:
             late.set()
             self.kill()
 
-        timer = threading.Timer(max(until - time.monotonic(), 0.0), kill)
+        timer = threading.Timer(max(until.wall - time.monotonic(), 0.0), kill)
         timer.start()
         try:
             rest = memoryview(frame)
@@ -141,25 +196,19 @@ class Line:
             timer.cancel()
 
     def kill(self) -> None:
-        """End the process and those it started, unless they went into a session of their own."""
-        if self.closed:  # its number may be another process's by now
-            return
-        with contextlib.suppress(OSError):
-            if sys.platform == "win32":
-                self.process.kill()
-            else:
-                os.killpg(self.process.pid, signal.SIGKILL)
-        self.process.kill()
+        """End the process."""
+        self.process.end()
 
     def close(self) -> None:
         """End the process, close the pipes and remove its folder."""
         self.kill()
+        if self.closed:
+            return
         self.closed = True
-        self.process.wait()
-        for pipe in (self.process.stdin, self.process.stdout):
-            with contextlib.suppress(OSError):
-                if pipe is not None:
-                    pipe.close()
+        for pipe in (self.sink, self.source):
+            os.close(pipe)
+        if self.last_words is not None:
+            self.last_words.close()
         shutil.rmtree(self.scratch, ignore_errors=True)
 
 
@@ -170,14 +219,15 @@ def _ending(code: int | None) -> str:
     return f"the Python process ended itself with exit code {code}"
 
 
-def _wait(read: list[int], write: list[int], until: float) -> None:
+def _wait(read: list[int], write: list[int], until: Until) -> None:
     with selectors.DefaultSelector() as selector:
         for fd in read:
             selector.register(fd, selectors.EVENT_READ)
         for fd in write:
             selector.register(fd, selectors.EVENT_WRITE)
-        if not selector.select(max(until - time.monotonic(), 0.0)):
-            raise TimeoutError
+        while not selector.select(until.next_look()):
+            if until.reached():
+                raise TimeoutError
 
 
 def _read_blocking(fd: int, length: int) -> bytes:

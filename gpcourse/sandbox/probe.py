@@ -6,15 +6,17 @@ import ctypes
 import errno
 import os
 import platform
-import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
+
+from gpcourse.sandbox.home import PACKAGE
 
 _SYS_LANDLOCK_CREATE_RULESET = 444  # the same on every architecture
 _PR_SET_SECCOMP, _SECCOMP_MODE_FILTER = 22, 2
-_SECONDS = 20.0
 
 _MEMORY_LIMIT = """
 import resource
@@ -25,10 +27,13 @@ except MemoryError:
     print("works")
 """
 _NAMESPACE = """
-import ctypes, os
-failed = ctypes.CDLL(None, use_errno=True).unshare(0x10000000)
-print(os.strerror(ctypes.get_errno()) if failed else "works")
+import sys
+sys.path.insert(0, {package!r})
+from pathlib import Path
+from gpcourse.sandbox.namespaces import enter
+print(*(enter(Path({scratch!r}), Path({scratch!r})).missing or ["works"]))
 """
+_SECONDS = 20.0
 
 
 @dataclass(frozen=True)
@@ -50,11 +55,10 @@ def _layers() -> Iterator[Layer]:
     memory = _in_child(_MEMORY_LIMIT) if sys.platform != "win32" else "this system has none"
     yield _layer("resource limits", memory, "memory, processor time and file size are limited")
     if not sys.platform.startswith("linux"):
-        for name in ("user namespaces", "bubblewrap", "Landlock", "seccomp"):
+        for name in ("namespaces", "Landlock", "seccomp"):
             yield Layer(name, False, f"{platform.system()} has none")
         return
-    yield _layer("user namespaces", _in_child(_NAMESPACE), "files, network and processes can be hidden")
-    yield _layer("bubblewrap", _bubblewrap(), "sets up the namespaces")
+    yield _layer("namespaces", _namespaces(), "files, network and other processes are not there at all")
     yield _landlock()
     yield _seccomp()
 
@@ -77,11 +81,12 @@ def _output(command: list[str]) -> str:
     return lines[-1] if lines else f"it ended with exit code {done.returncode}"
 
 
-def _bubblewrap() -> str:
-    path = shutil.which("bwrap")
-    if path is None:
-        return "bwrap is not installed"
-    return _output([path, "--unshare-all", "--ro-bind", "/", "/", "echo", "works"])
+def _namespaces() -> str:
+    with tempfile.TemporaryDirectory(prefix="gpcourse-") as folder:
+        scratch = Path(folder) / "package"
+        scratch.mkdir()
+        code = _NAMESPACE.format(package=str(PACKAGE.parent), scratch=str(scratch))
+        return _in_child(code).removeprefix("namespaces: ")
 
 
 def _libc() -> Callable[..., int]:

@@ -96,7 +96,7 @@ class Worker:
             return Ready(gone.status, self._trouble(gone))
 
     def ask(self, name: str, arguments: tuple[Any, ...], limit: float) -> Answer:
-        """Call the function `name` with `arguments` for at most `limit` seconds.
+        """Call the function `name` with `arguments` for at most `limit` seconds of processor time.
 
         Raises
         ------
@@ -109,7 +109,10 @@ class Worker:
             ready = self._prepare(name)
             if ready.status != "ready" or self._line is None:
                 return _refusal(name, ready)
-            reply = self._line.request("call", limit + GRACE, name=name, arguments=arguments, limit=limit)
+            wall = self.limits.wall(limit)
+            reply = self._line.request(
+                "call", limit + GRACE, wall + GRACE, name=name, arguments=arguments, limit=limit, wall=wall
+            )
         except Gone as gone:
             self.close()
             return Answer(gone.status, trouble=self._trouble(gone))
@@ -117,14 +120,18 @@ class Worker:
 
     def _start(self) -> dict[Any, Any]:
         self._line = self.start(self.package, self.limits)
-        return self._line.request("load", self.limits.load + GRACE, cells=self.cells)
+        seconds = self.limits.load + GRACE
+        return self._line.request("load", seconds, self.limits.wall(seconds), cells=self.cells)
 
     def _prepare(self, name: str) -> Ready:
         if self._line is None:
             self._start()
         if name not in self._ready and self._line is not None:
             seconds = self.limits.load
-            reply = self._line.request("prepare", seconds + GRACE, name=name, limit=seconds)
+            wall = self.limits.wall(seconds)
+            reply = self._line.request(
+                "prepare", seconds + GRACE, wall + GRACE, name=name, limit=seconds, wall=wall
+            )
             status = str(reply.get("status"))[:20]
             status = status if status in ("ready", "missing", *_STATUSES) else "raised"
             trouble = _trouble(reply.get("trouble"), self._line)

@@ -4,8 +4,10 @@ It knows of no exercise, check, seed or solution. Its requests and replies are t
 that were its standard input and output; student code finds nothing but the null device there. The requests:
 
 - ``load`` (cells): which functions there are, which of them are stubs, which cells are broken;
-- ``prepare`` (name, limit): run what that function needs, in a namespace of its own;
-- ``call`` (name, arguments, limit): call it.
+- ``prepare`` (name, limit, wall): run what that function needs, in a namespace of its own;
+- ``call`` (name, arguments, limit, wall): call it.
+
+`limit` is in seconds of processor time, `wall` in seconds on the clock.
 """
 
 from __future__ import annotations
@@ -28,7 +30,8 @@ from gpcourse.errors import WireError
 from gpcourse.sandbox import wire
 from gpcourse.sandbox.call import Answer, Trouble, call, describe
 from gpcourse.sandbox.deadline import TimeLimit, deadline
-from gpcourse.sandbox.lockdown import lock
+from gpcourse.sandbox.landlock import Grant
+from gpcourse.sandbox.lockdown import lock, readings
 from gpcourse.sandbox.program import Program, Statement
 
 #: Where the place of a crash is written, in the working folder.
@@ -64,11 +67,11 @@ class Notebook:
             "broken": [astuple(trouble) for trouble, _ in self.program.broken],
         }
 
-    def prepare(self, name: str, limit: float) -> Message:
+    def prepare(self, name: str, limit: float, wall: float) -> Message:
         """Run what `name` needs; the status is ``ready``, ``missing`` or that of an `Answer`."""
         room = self.rooms[name] = Room(_module())
         try:
-            with deadline(limit):
+            with deadline(limit, wall):
                 for statement in self.program.needed(name):
                     self._run(statement, room, name)
         except TimeLimit as error:
@@ -92,10 +95,10 @@ class Notebook:
             if name in statement.binds:
                 room.trouble = trouble
 
-    def call(self, name: str, arguments: tuple[Any, ...], limit: float) -> Answer:
+    def call(self, name: str, arguments: tuple[Any, ...], limit: float, wall: float) -> Answer:
         """Call the function `name`; random generators start from the same state at each call."""
         if name not in self.rooms:
-            self.prepare(name, limit)
+            self.prepare(name, limit, wall)
         room = self.rooms[name]
         if room.status != "ready":
             return Answer("raised", trouble=room.trouble or Trouble(("NameError",), f"there is no {name}"))
@@ -103,7 +106,7 @@ class Notebook:
         random.seed(0)
         np.random.seed(0)  # noqa: NPY002  # it is the legacy generator that a student may use unseeded
         try:
-            return call(vars(room.module)[name], arguments, limit)
+            return call(vars(room.module)[name], arguments, limit, wall)
         except KeyboardInterrupt as error:  # raised by the student's code: no terminal reaches this process
             return Answer("raised", trouble=describe(error))
 
@@ -115,10 +118,10 @@ def _module() -> ModuleType:
     return module
 
 
-def reply(answer: Answer, number: int, limit: float) -> bytes:
+def reply(answer: Answer, number: int, limit: float, wall: float) -> bytes:
     """Write an answer as a frame. A value that cannot be written becomes an exception of the student's."""
     try:
-        with deadline(max(limit, 1.0)):  # writing runs code of theirs: __array__, __len__, __getitem__
+        with deadline(max(limit, 1.0), wall):  # writing runs code of theirs: __array__, __len__, __getitem__
             return wire.pack(_message(answer, number), lenient=True)
     except WireError as error:
         trouble = Trouble(("ResultError",), f"the result cannot be read: {error}")
@@ -158,7 +161,7 @@ def serve(read: Callable[[int], bytes], write: Callable[[bytes], Any]) -> None:
         number = request.pop("number")
         match request.pop("do"):
             case "call":
-                write(reply(notebook.call(**request), number, request["limit"]))
+                write(reply(notebook.call(**request), number, request["limit"], request["wall"]))
             case "prepare":
                 write(wire.pack(notebook.prepare(**request) | {"number": number}))
             case "load":
@@ -195,17 +198,33 @@ def private_pipes() -> tuple[BinaryIO, BinaryIO]:
     return os.fdopen(source, "rb"), os.fdopen(sink, "wb", buffering=0)
 
 
-def main(limits: dict[str, int], package: str, course: str) -> None:
+@dataclass(frozen=True)
+class Birth:
+    """What a process knows that `parent` has forked.
+
+    `last_words` is the descriptor of a file for them; `readable` what may be read; `namespaces` what kept the
+    parent from entering them, if anything.
+    """
+
+    last_words: int
+    readable: list[Grant]
+    namespaces: tuple[str, ...]
+
+
+def main(limits: dict[str, int], package: str, course: str, birth: Birth | None = None) -> None:
     """Serve on the standard pipes, within `limits`, confined; the first frame says how far.
 
     `package` is the folder that gpcourse is imported from here, `course` the one with the solutions.
     """
     source, sink = private_pipes()
     sys.argv[:] = [""]
-    crashes = Path(CRASH_FILE).open("w")  # noqa: SIM115  # open until the end, which may come any time
-    faulthandler.enable(crashes)
+    # Open until the end, which may come any time.
+    last = Path(CRASH_FILE).open("w") if birth is None else os.fdopen(birth.last_words, "w")  # noqa: SIM115
+    faulthandler.enable(last)
     limit_resources(limits)
-    confinement = lock(Path.cwd(), Path(package), Path(course))
+    readable = readings(Path(package), Path(course)) if birth is None else birth.readable
+    namespaces = None if birth is None else birth.namespaces
+    confinement = lock(Path.cwd(), Path(package), readable, namespaces)
 
     def write(frame: bytes) -> None:
         rest = memoryview(frame)

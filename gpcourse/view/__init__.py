@@ -8,14 +8,19 @@ In a notebook::
     view.halfedges(cube, highlight=[0, 5])
     view.side_by_side(view.mesh(before), view.mesh(after))
 
-Each returns a `Picture`. What it shows is plain data (`picture.scene`), made without a drawing
-library; the drawing itself is behind `gpcourse.view.static`. Code that is not a notebook makes scenes
-with `mesh_scene`, `halfedge_scene` and their like and draws them when it needs to.
+Each returns a `Picture`. In a notebook it can be turned (drag), zoomed (wheel, after a click) and asked
+(hover); it is saved as PNG or HTML; ``static=True``, or GPCOURSE_STATIC=1 in the environment, gives an
+image.
+
+What a picture shows is plain data (`picture.scene`), made without a drawing library. Behind it are two
+renderers, `gpcourse.view.static` (matplotlib) and `gpcourse.view.interactive` (a page of WebGL). Code that is
+not a notebook makes scenes with `mesh_scene`, `halfedge_scene` and their like and draws them when needed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from gpcourse.errors import ArrayError
@@ -30,6 +35,7 @@ from gpcourse.view.scene import Scene
 __all__ = [
     "Picture",
     "Scene",
+    "animation",
     "curves",
     "curves_scene",
     "halfedge_scene",
@@ -45,45 +51,131 @@ __all__ = [
 ]
 
 
-def mesh(subject: object, values: object = None, *, labels: str | None = None, **settings: Any) -> Picture:
+def mesh(
+    subject: object,
+    values: object = None,
+    *,
+    labels: str | None = None,
+    static: bool | None = None,
+    **settings: Any,
+) -> Picture:
     """Show a mesh, plain or coloured by values; ``labels="halfedges"`` is `halfedges`.
+
+    A dictionary of values, by name, makes several fields; the picture shows the first, and a menu in a
+    notebook the others. ``static=True`` gives a picture that does not turn.
 
     The settings are those of `mesh_scene`: ``title, direction, smooth, edges, colour, face_colours,
     values_on, colour_map, limits, value_name, alt``.
     """
+    if isinstance(values, Mapping):
+        if not values:
+            raise ArrayError("there are no values in the dictionary; give at least one field by its name")
+        fields = tuple(
+            mesh_scene(subject, field, labels=labels, **(settings | {"value_name": str(name)}))
+            for name, field in values.items()
+        )
+        names = tuple(map(str, values))
+        return Picture(fields[0], static=static, frames=fields, names=names, chooser="menu")
     if labels == "halfedges" and isinstance(subject, HalfedgeMesh):
         if values is not None:
             raise ArrayError("values cannot be shown under numbered half-edges; leave out one of the two")
-        return Picture(halfedge_scene(subject, **settings))
-    return Picture(mesh_scene(subject, values, labels=labels, **settings))
+        return Picture(halfedge_scene(subject, **settings), static=static)
+    return Picture(mesh_scene(subject, values, labels=labels, **settings), static=static)
+
+
+def animation(
+    pictures: Sequence[Picture | Scene],
+    names: Sequence[str] | None = None,
+    *,
+    shared_scale: bool = True,
+    alt: str | None = None,
+    static: bool | None = None,
+) -> Picture:
+    """Show pictures one at a time, with a slider: a flow, an alignment. They keep one camera.
+
+    Where nothing can move, three of them stand side by side: the first, the middle and the last one.
+
+    Parameters
+    ----------
+    pictures : sequence of pictures
+        The frames; all have as many panels as the first.
+    names : sequence of str, optional
+        What to call each, as "step 3".
+    shared_scale : bool
+        Colour the values in all frames by one scale.
+    alt : str, optional
+        What is to be seen, in words.
+
+    Raises
+    ------
+    ArrayError
+        If there are no pictures, their panels differ in number, or there are not as many names.
+    """
+    scenes = [picture.scene if isinstance(picture, Picture) else picture for picture in pictures]
+    if not scenes:
+        raise ArrayError("there are no pictures; give at least one frame")
+    for i, one in enumerate(scenes):
+        if len(one.panels) != len(scenes[0].panels):
+            raise ArrayError(
+                f"frame {i} has {len(one.panels)} panels, the first has {len(scenes[0].panels)}; "
+                "give frames with equally many"
+            )
+    if names is not None and len(names) != len(scenes):
+        raise ArrayError(f"there are {len(names)} names for {len(scenes)} frames; give one for each")
+    called = tuple(str(name) for name in names) if names is not None else ()
+    few = sorted({0, len(scenes) // 2, len(scenes) - 1})
+    still = scene.side_by_side(
+        [_titled(scenes[i], called[i] if called else "") for i in few], shared_scale=shared_scale, alt=alt
+    )
+    frames = scene.with_one_scale(scenes) if shared_scale else tuple(scenes)
+    return Picture(still, static=static, frames=frames, names=called, chooser="slider")
+
+
+def _titled(one: Scene, name: str) -> Scene:
+    if not name:
+        return one
+    panels = tuple(
+        replace(panel, title=f"{panel.title}, {name}" if panel.title else name) for panel in one.panels
+    )
+    return replace(one, panels=panels)
 
 
 def halfedges(
-    mesh: HalfedgeMesh, highlight: Mapping[int, str] | Sequence[int] | None = None, **settings: Any
+    mesh: HalfedgeMesh,
+    highlight: Mapping[int, str] | Sequence[int] | None = None,
+    *,
+    static: bool | None = None,
+    **settings: Any,
 ) -> Picture:
     """Draw every half-edge as a numbered arrow inside its face; `highlight` some of them.
 
     The settings are those of `halfedge_scene`: ``faces, labels, vertex_numbers, title, direction, alt``.
     """
-    return Picture(halfedge_scene(mesh, highlight, **settings))
+    return Picture(halfedge_scene(mesh, highlight, **settings), static=static)
 
 
-def neighbours(subject: object, vertex: int, order: Sequence[int], **settings: Any) -> Picture:
+def neighbours(
+    subject: object, vertex: int, order: Sequence[int], *, static: bool | None = None, **settings: Any
+) -> Picture:
     """Number the neighbours of a vertex in the order given. Settings: ``title, direction, alt``."""
-    return Picture(neighbours_scene(subject, vertex, order, **settings))
+    return Picture(neighbours_scene(subject, vertex, order, **settings), static=static)
 
 
-def points(positions: object, values: object = None, **settings: Any) -> Picture:
+def points(
+    positions: object, values: object = None, *, static: bool | None = None, **settings: Any
+) -> Picture:
     """Show points. Settings: ``colour, size, title, direction, colour_map, limits, value_name, alt``."""
-    return Picture(points_scene(positions, values, **settings))
+    return Picture(points_scene(positions, values, **settings), static=static)
 
 
-def curves(lines: object, **settings: Any) -> Picture:
+def curves(lines: object, *, static: bool | None = None, **settings: Any) -> Picture:
     """Show one curve or several. Settings: ``colours, closed, on, width, title, direction, alt``."""
-    return Picture(curves_scene(lines, **settings))
+    return Picture(curves_scene(lines, **settings), static=static)
 
 
-def side_by_side(*pictures: Picture | Scene, shared_scale: bool = True, alt: str | None = None) -> Picture:
+def side_by_side(
+    *pictures: Picture | Scene, shared_scale: bool = True, static: bool | None = None, alt: str | None = None
+) -> Picture:
     """Put pictures in a row; values in all of them are coloured by one scale if `shared_scale`."""
     scenes = [picture.scene if isinstance(picture, Picture) else picture for picture in pictures]
-    return Picture(scene.side_by_side(scenes, shared_scale=shared_scale, alt=alt))
+    return Picture(scene.side_by_side(scenes, shared_scale=shared_scale, alt=alt), static=static)

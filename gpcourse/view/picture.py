@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from base64 import b64encode
 from functools import cached_property
 from html import escape
@@ -10,18 +11,46 @@ from pathlib import Path
 from gpcourse.errors import ArrayError
 from gpcourse.view.scene import Scene
 
+#: Where this is set in the environment, and not to 0, notebooks show static pictures only: quicker, for CI.
+STATIC = "GPCOURSE_STATIC"
+
 
 class Picture:
-    """A drawn scene.
+    """A scene to look at: static as PNG, to be turned and asked in a notebook.
 
-    As text it is its description in words, so that the output of a notebook cell states a fact;
-    as HTML it is an image with that description. There is no second copy as ``image/png``.
+    As text it is its description in words, so that the output of a notebook cell states a fact; as HTML it
+    is a page in a frame over an image with that description. There is no second copy as ``image/png``.
+
+    Parameters
+    ----------
+    scene : Scene
+        What the static picture shows.
+    static : bool or None
+        Show the static picture only; None: if the environment has GPCOURSE_STATIC.
+    frames : tuple of Scene
+        What the page shows, if not `scene`: one at a time, each with as many panels as the first.
+    names : tuple of str
+        What to call the frames.
+    chooser : str
+        How they are chosen: ``slider`` or ``menu``.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        static: bool | None = None,
+        frames: tuple[Scene, ...] = (),
+        names: tuple[str, ...] = (),
+        chooser: str = "",
+    ) -> None:
         if not isinstance(scene, Scene):
             raise ArrayError(f"a {type(scene).__name__} is not a scene; see gpcourse.view.scene")
         self.scene = scene
+        self.static = static
+        self.frames = frames or (scene,)
+        self.names = names
+        self.chooser = chooser
 
     @cached_property
     def _bytes(self) -> bytes:
@@ -33,17 +62,39 @@ class Picture:
         """Return the picture as the bytes of a PNG file; equal scenes give equal bytes."""
         return self._bytes
 
-    def save(self, path: str | Path) -> None:
-        """Write the picture to a PNG file; ArrayError if `path` has another ending."""
-        if Path(path).suffix.lower() != ".png":
-            raise ArrayError(f"{path} does not end in .png; pictures are saved as PNG files")
-        Path(path).write_bytes(self.png())
+    def page(self) -> str:
+        """Return the interactive picture as a whole page of HTML that needs no other file."""
+        from gpcourse.view.interactive import page
 
-    def html(self) -> str:
-        """Return an ``<img>`` element that holds the picture and its description."""
+        return page(self.frames, self.names, self.chooser)
+
+    def save(self, path: str | Path) -> None:
+        """Write the picture to a PNG file, or to an HTML file that can be turned.
+
+        Raises ArrayError if `path` has another ending.
+        """
+        kind = Path(path).suffix.lower()
+        if kind == ".png":
+            Path(path).write_bytes(self.png())
+        elif kind == ".html":
+            Path(path).write_text(self.page(), encoding="utf-8")
+        else:
+            raise ArrayError(f"{path} does not end in .png or .html; pictures are saved as one of these")
+
+    def image(self) -> str:
+        """Return an ``<img>`` element that holds the static picture and its description."""
         data = b64encode(self.png()).decode("ascii")
         alt = escape(self.scene.alt, quote=True)
         return f'<img alt="{alt}" src="data:image/png;base64,{data}" style="max-width:100%">'
+
+    def html(self) -> str:
+        """Return what a notebook shows."""
+        static = os.environ.get(STATIC, "0") not in ("", "0") if self.static is None else self.static
+        if static:
+            return self.image()
+        from gpcourse.view.interactive import framed
+
+        return framed(self.page(), self.image())
 
     def _repr_html_(self) -> str:
         return self.html()

@@ -32,6 +32,7 @@ __all__ = [
     "colour_scale",
     "side_by_side",
     "with_camera",
+    "with_one_scale",
 ]
 
 
@@ -179,6 +180,24 @@ def side_by_side(scenes: Sequence[Scene], *, shared_scale: bool = True, alt: str
     words = " ".join(f"{_ordinal(i)}: {scene.alt}" for i, scene in enumerate(scenes))
     text = words if alt is None else alt
     return Scene(panels, alt=text, shared_scale=shared_scale)
+
+
+def with_one_scale(scenes: Sequence[Scene]) -> tuple[Scene, ...]:
+    """Return the scenes with values in all of them coloured by one scale."""
+    shared = colour_scale([layer for scene in scenes for panel in scene.panels for layer in panel.layers])
+    if shared is None:
+        return tuple(scenes)
+    limits = (shared.low, shared.high)
+
+    def scaled(layer: Layer) -> Layer:
+        if isinstance(layer, (Mesh, Points)) and layer.values is not None:
+            return replace(layer, limits=limits, colour_map=shared.colour_map)
+        return layer
+
+    return tuple(
+        replace(s, panels=tuple(replace(p, layers=tuple(map(scaled, p.layers))) for p in s.panels))
+        for s in scenes
+    )
 
 
 def with_camera(panel: Panel, **changes: Any) -> Panel:

@@ -4,6 +4,7 @@ import csv
 import json
 import re
 import time
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 
@@ -151,7 +152,7 @@ def test_a_machine_that_starts_no_process_is_our_fault(tmp_path, monkeypatch):
         raise WorkerError("no process could be started")
 
     monkeypatch.setattr(confine, "level_here", Confinement)
-    monkeypatch.setattr(confine, "launch", refuse)
+    monkeypatch.setattr(confine, "launcher", lambda *_: nullcontext(refuse))
     report = grade(write(tmp_path / "class", "ada"), tmp_path / "out").reports[0]
     assert report.status == "grader fault"
 
@@ -166,7 +167,11 @@ def test_what_cannot_be_confined_is_not_graded_unless_it_is_trusted(tmp_path, mo
 
 
 def test_a_worker_that_is_less_confined_than_the_others_gets_no_notebook(tmp_path, monkeypatch):
-    monkeypatch.setattr(confine, "level_here", lambda: Confinement("full"))  # which none reaches
+    def fresh(*_):  # which reaches no namespaces
+        return nullcontext(confine.launch)
+
+    monkeypatch.setattr(confine, "level_here", lambda: Confinement("full"))
+    monkeypatch.setattr(confine, "launcher", fresh)
     report = grade(write(tmp_path / "class", "ada"), tmp_path / "out").reports[0]
     assert (report.status, report.points) == ("grader fault", 0)
 

@@ -1,5 +1,7 @@
 """A notebook's functions in another process: they answer, whatever they do, and find nothing of ours."""
 
+import os
+import subprocess
 import sys
 import time
 
@@ -256,3 +258,26 @@ def test_text_of_a_student_is_short_printable_and_the_same_each_time(worker):
     assert first == second == ask(w, "f").trouble.message
     assert first.startswith("<object object>.x")
     assert len(first) <= 2000
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere limits are of time on the clock")
+def test_a_busy_machine_takes_nothing_from_a_limit(worker):
+    """The call needs 0.6 s of a processor, with a limit of 1 s, while it gets less than half of one."""
+    burners = [
+        subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2 * (os.cpu_count() or 1))
+    ]
+    try:
+        w = worker(
+            "import time\n"
+            "def f():\n"
+            "    start, clock = time.process_time(), time.perf_counter()\n"
+            "    while time.process_time() < start + 0.6: pass\n"
+            "    return time.perf_counter() - clock\n"
+        )
+        answer = ask(w, "f", limit=1.0)
+    finally:
+        for burner in burners:
+            burner.kill()
+            burner.wait()
+    assert answer.status == "returned"
+    assert answer.value > 0.6

@@ -167,7 +167,7 @@ def test_the_words_state_facts():
 
 
 def test_html_is_an_image_with_its_words_escaped_and_nothing_that_a_sanitizer_strips():
-    html = view.mesh(TETRAHEDRON, alt='<b> & "quotes"')._repr_html_()
+    html = view.mesh(TETRAHEDRON, alt='<b> & "quotes"', static=True)._repr_html_()
     assert html.startswith('<img alt="&lt;b&gt; &amp; &quot;quotes&quot;" src="data:image/png;base64,')
     assert "class=" not in html
     assert "<script" not in html

@@ -48,7 +48,7 @@ def _drawn(problem: Problem) -> str:
     from gpcourse.view.picture import Picture
 
     try:
-        return Picture(problem.picture()).html()
+        return Picture(problem.picture()).image()
     except Exception:  # noqa: BLE001  # the scene is made from a student's values: no picture is better than no panel
         return ""
 

@@ -74,7 +74,8 @@ ENDING = [
     cell("os._exit at import", "y = ran() or os._exit(0)\ndef twice(x): return y * ran()", "crashed"),
     function("exit by ctypes", "ran()\nimport ctypes\nctypes.CDLL(None)._exit(0)", "crashed"),
     function("sys.exit", "ran()\nsys.exit(0)", "error"),
-    function("SIGKILL to itself", "ran()\nos.kill(os.getpid(), 9)", "crashed"),
+    # Alone in its numbering of processes it is the first one, which cannot signal itself.
+    function("SIGKILL to itself", "ran()\nos.kill(os.getpid(), 9)", "crashed", "failed"),
     function("segmentation fault", "ran()\nimport ctypes\nctypes.string_at(0)", "crashed"),
     function("recursion", "if x > 0: ran()\nreturn twice(-abs(x) - 1)", "error"),
     function(
@@ -185,9 +186,9 @@ TAMPERING = [
     ),
     tries("the folder above", "os.listdir('..')", "open('../mine', 'w')", "os.symlink('/etc', '../x')"),
     tries(
-        "the grader's process", "open(f'/proc/{os.getppid()}/environ', 'rb').read()",
-        "open(f'/proc/{os.getppid()}/mem', 'rb')", "os.listdir(f'/proc/{os.getppid()}/fd')",
-        "os.kill(os.getppid(), 15)", "resource.prlimit(os.getppid(), resource.RLIMIT_CPU, (1, 1))",
+        "the grader's process", "open(f'/proc/{(os.getppid() or 10**6)}/environ', 'rb').read()",
+        "open(f'/proc/{(os.getppid() or 10**6)}/mem', 'rb')", "os.listdir(f'/proc/{(os.getppid() or 10**6)}/fd')",
+        "os.kill((os.getppid() or 10**6), 15)", "resource.prlimit((os.getppid() or 10**6), resource.RLIMIT_CPU, (1, 1))",
         setup="import resource",
     ),
     tries("another submission", "open('OUTSIDE/bob.ipynb').read()", "os.listdir('OUTSIDE')"),

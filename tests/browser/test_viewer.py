@@ -1,0 +1,178 @@
+"""The viewer in a real browser: it draws, turns, answers, and asks nobody for anything."""
+
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from gpcourse import view
+from gpcourse.geometry import shapes
+from gpcourse.reference.halfedge import halfedge_mesh
+
+pytestmark = [pytest.mark.browser, pytest.mark.xdist_group("browser")]
+
+SQUARE = (np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), [[0, 1, 2], [0, 2, 3]])
+
+
+@pytest.fixture
+def opened(browser, tmp_path):
+    """Open a picture as a notebook shows it; returns its frame. No request, no error may come of it."""
+    contexts, told = [], []
+
+    def open_picture(picture, javascript=True, **settings):
+        file = tmp_path / "shown.html"
+        html = picture.html() if javascript else picture.html().split("<iframe")[0]
+        file.write_text(f"<!doctype html><meta charset=utf-8>{html}", encoding="utf-8")
+        context = browser.new_context(viewport={"width": 900, "height": 700}, **settings)
+        contexts.append(context)
+        page = context.new_page()
+        page.on("request", lambda r: told.append(r.url) if r.url.startswith(("http", "ws")) else None)
+        page.on("pageerror", lambda error: told.append(str(error)))
+        page.on("console", lambda m: told.append(m.text) if m.type == "error" else None)
+        page.goto(file.as_uri())
+        if not javascript:
+            return page, None
+        frame = page.frames[1]
+        frame.wait_for_selector("body[data-drawn]", timeout=30_000)
+        return page, frame
+
+    yield open_picture
+    for context in contexts:
+        context.close()
+    assert told == []
+
+
+def pixels(page, selector="iframe"):
+    return np.asarray(Image.open(BytesIO(page.locator(selector).screenshot())).convert("RGB")).astype(int)
+
+
+def covered(image):
+    """The share of pixels that are not the paper."""
+    return float((np.abs(image - image[1, 1]).max(axis=2) > 12).mean())
+
+
+def ask(page, frame, x, y):
+    """Return what is said at a place, given as shares of the picture."""
+    box = page.locator("iframe").bounding_box()
+    page.mouse.move(box["x"] + 1, box["y"] + 1)
+    page.mouse.move(box["x"] + x * box["width"], box["y"] + y * box["height"])
+    return frame.locator("#said").text_content()
+
+
+def test_a_mesh_is_drawn_and_covers_a_fair_part(opened):
+    page, _ = opened(view.mesh(shapes.torus(40, 30)))
+    assert 0.3 < covered(pixels(page)) < 0.95
+
+
+def test_the_vertex_under_the_pointer_is_said_with_its_value(opened):
+    page, frame = opened(view.mesh(SQUARE, [1.5, -2.25, 3.0, 0.125], value_name="u", direction=(0, 0, 1)))
+    said = {ask(page, frame, x, y) for x in (0.15, 0.65) for y in (0.25, 0.9)}
+    assert {line.split(",")[0] + line.split("\n")[1] for line in said if line} == {
+        "vertex 0u 1.5", "vertex 1u −2.25", "vertex 2u 3", "vertex 3u 0.125",
+    }  # fmt: skip
+
+
+def test_dragging_turns_keys_zoom_and_r_restores(opened):
+    page, _ = opened(view.mesh(shapes.cube()))
+    before = pixels(page)
+    box = page.locator("iframe").bounding_box()
+    page.mouse.move(box["x"] + 100, box["y"] + 100)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 160, box["y"] + 130)
+    page.mouse.up()
+    page.mouse.move(box["x"] + 1, box["y"] + 1)
+    page.wait_for_timeout(100)
+    turned = pixels(page)
+    assert covered(np.abs(turned - before)) > 0.02
+    for _ in range(8):
+        page.keyboard.press("-")
+    page.wait_for_timeout(100)
+    assert covered(pixels(page)) < 0.5 * covered(turned)
+    page.keyboard.press("r")
+    page.wait_for_timeout(100)
+    page.evaluate("document.activeElement.blur()")
+    assert covered(np.abs(pixels(page) - before)) < 0.02
+
+
+def test_edges_shading_and_isolines_change_what_is_drawn(opened):
+    torus = shapes.torus(16, 12)
+    page, frame = opened(view.mesh(torus, torus.vertices[:, 2]))
+    seen = [pixels(page)]
+    for name in ("edges", "smooth", "isolines"):
+        frame.get_by_role("button", name=name, exact=True).click()
+        page.wait_for_timeout(100)
+        seen.append(pixels(page))
+        assert covered(np.abs(seen[-1] - seen[-2])) > 0.005, name
+
+
+def test_the_slider_moves_to_the_next_frame(opened):
+    cube = shapes.cube()
+    film = view.animation([view.mesh((s * cube.vertices, cube.faces)) for s in (1, 0.3)], ["large", "small"])
+    page, frame = opened(film)
+    large = covered(pixels(page))
+    slider = frame.get_by_role("slider")
+    slider.focus()
+    slider.press("ArrowRight")
+    page.wait_for_timeout(100)
+    assert frame.get_by_text("small").is_visible()
+    assert covered(pixels(page)) < 0.5 * large
+
+
+def test_the_menu_switches_between_fields(opened):
+    torus = shapes.torus(20, 14)
+    page, frame = opened(view.mesh(torus, {"height": torus.vertices[:, 2], "index": np.arange(280.0)}))
+    before = pixels(page)
+    frame.get_by_role("combobox").select_option("index")
+    page.wait_for_timeout(100)
+    assert frame.locator(".bar b").text_content() == "index"
+    assert covered(np.abs(pixels(page) - before)) > 0.1
+
+
+def test_every_kind_of_layer_is_drawn(opened):
+    cube = shapes.cube()
+    circle = np.column_stack([np.cos(np.arange(20) / 3), np.sin(np.arange(20) / 3), np.zeros(20)])
+    pictures = [
+        view.points(cube.vertices, np.arange(8.0)), view.curves(circle), view.mesh(cube, labels="faces"),
+        view.halfedges(halfedge_mesh(cube.vertices, cube.faces)),
+    ]  # fmt: skip
+    page, _ = opened(view.side_by_side(*pictures, shared_scale=False))
+    assert all(covered(part) > 0.005 for part in np.array_split(pixels(page), 4, axis=1))
+
+
+def test_it_is_dark_where_the_reader_wants_it(opened):
+    page, _ = opened(view.mesh(shapes.cube()), color_scheme="dark")
+    assert pixels(page)[40, 2].max() < 60
+
+
+def test_without_the_frame_the_static_picture_is_seen(opened):
+    page, _ = opened(view.mesh(shapes.cube()), javascript=False)
+    assert page.locator("iframe").count() == 0
+    assert covered(pixels(page, "img")) > 0.2
+    assert "8 vertices" in page.locator("img").get_attribute("alt")
+
+
+def test_a_hundred_thousand_faces_are_drawn_in_three_seconds(opened):
+    torus = shapes.torus(250, 200)
+    page, frame = opened(view.mesh(torus, torus.vertices[:, 2], edges=False))
+    assert covered(pixels(page)) > 0.3
+    # From the start of the page to the first picture, by the browser's own clock; software rendering.
+    assert frame.evaluate("Number(document.body.dataset.after)") < 3000
+
+
+def test_more_pictures_than_a_browser_can_hold_are_all_drawn(browser, tmp_path):
+    html = "<p>".join(view.mesh(shapes.cube(), title=str(i)).html() for i in range(24))
+    (tmp_path / "many.html").write_text(f"<!doctype html><meta charset=utf-8>{html}", encoding="utf-8")
+    page = browser.new_page(viewport={"width": 700, "height": 700})
+    errors = []
+    page.on("console", lambda m: errors.append(m.text) if "context" in m.text.lower() else None)
+    page.goto((tmp_path / "many.html").as_uri())
+    for i in (23, 12, 0):
+        frame = page.locator("iframe").nth(i)
+        frame.scroll_into_view_if_needed()
+        page.frames[1 + i].wait_for_selector("body[data-drawn]", timeout=10_000)
+        image = np.asarray(Image.open(BytesIO(frame.screenshot())).convert("RGB")).astype(int)
+        assert covered(image) > 0.2
+    assert page.locator("iframe").count() == 24
+    assert not [text for text in errors if "lost" in text.lower()]
+    page.close()

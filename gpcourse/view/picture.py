@@ -27,6 +27,8 @@ class Picture:
         What the static picture shows.
     static : bool or None
         Show the static picture only; None: if the environment has GPCOURSE_STATIC.
+    dpi : int
+        Pixels per inch of the static picture; see `static.render`.
     frames : tuple of Scene
         What the page shows, if not `scene`: one at a time, each with as many panels as the first.
     names : tuple of str
@@ -40,6 +42,7 @@ class Picture:
         scene: Scene,
         *,
         static: bool | None = None,
+        dpi: int = 120,
         frames: tuple[Scene, ...] = (),
         names: tuple[str, ...] = (),
         chooser: str = "",
@@ -48,6 +51,7 @@ class Picture:
             raise ArrayError(f"a {type(scene).__name__} is not a scene; see gpcourse.view.scene")
         self.scene = scene
         self.static = static
+        self.dpi = dpi
         self.frames = frames or (scene,)
         self.names = names
         self.chooser = chooser
@@ -56,7 +60,7 @@ class Picture:
     def _bytes(self) -> bytes:
         from gpcourse.view.static import render
 
-        return render(self.scene)
+        return render(self.scene, self.dpi)
 
     def png(self) -> bytes:
         """Return the picture as the bytes of a PNG file; equal scenes give equal bytes."""

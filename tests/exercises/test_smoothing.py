@@ -5,9 +5,11 @@ import time
 import numpy as np
 import pytest
 
+from gpcourse.exercises.feedback.panel import PICTURE_DPI
 from gpcourse.exercises.judging import ask_here, judge
 from gpcourse.exercises.smoothing import EXERCISES, inputs, pictures, truths
 from gpcourse.geometry import shapes
+from gpcourse.view import Picture
 
 SEEDS = range(8)
 MADE = {"closed": inputs.closed, "bounded": inputs.bounded, "apart": inputs.apart, "patch": inputs.patch}
@@ -174,9 +176,18 @@ def test_three_panels_mark_the_vertex_that_is_worst():
     scene = pictures.of_values(ball.vertices, ball.faces, yours, truth, "H")()
     assert [panel.title for panel in scene.panels] == ["yours", "expected", "difference, worst at vertex 20"]
     scales = scene.scales()
-    assert scales[0] == scales[1] and scales[2].high == pytest.approx(0.4)
+    assert scales[0] == scales[1]
+    assert scales[2].high == pytest.approx(0.4)
     for panel in scene.panels:
         assert panel.layers[-1].positions == pytest.approx(ball.vertices[[20]])
         assert np.dot(panel.camera.direction, ball.vertices[20]) > 0
     own = pictures.of_own_values(ball.vertices, ball.faces, yours, truth, "H")()
     assert [panel.title for panel in own.panels] == ["yours, worst at vertex 20"]
+
+
+def test_three_panels_are_small():
+    ball = shapes.icosphere(2)
+    truth = ball.vertices[:, 2] ** 2
+    yours = truth * np.where(np.random.default_rng(0).random(len(truth)) < 0.1, 0.5, 1.0)
+    scene = pictures.of_values(ball.vertices, ball.faces, yours, truth, "H")()
+    assert len(Picture(scene, dpi=PICTURE_DPI).image()) < 200_000

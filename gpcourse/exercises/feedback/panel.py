@@ -16,6 +16,8 @@ _TINTS: dict[Outcome, str] = {
     "grader fault": "150, 90, 190",
 }
 _WRONG = "215, 110, 20"
+#: Three panels at this size stay below 200 KB of HTML, but for noise on large meshes.
+PICTURE_DPI = 72
 
 
 def as_html(verdict: Verdict, *, picture: bool = True, rerun: bool = False, answers: bool = True) -> str:
@@ -48,7 +50,7 @@ def _drawn(problem: Problem) -> str:
     from gpcourse.view.picture import Picture
 
     try:
-        return Picture(problem.picture()).image()
+        return Picture(problem.picture(), dpi=PICTURE_DPI).image()
     except Exception:  # noqa: BLE001  # the scene is made from a student's values: no picture is better than no panel
         return ""
 

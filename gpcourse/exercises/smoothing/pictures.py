@@ -22,10 +22,19 @@ def of_values(vertices: FloatArray, faces: IntArray, yours: FloatArray, truth: F
         worst = int(np.argmax(error))
         mesh, towards = (vertices, faces), _normal(vertices, faces, worst)
         scale = colour_scale([Points(vertices, values=_lengths(x)) for x in (yours, truth)])
-        both = {} if scale is None else {"limits": (scale.low, scale.high), "colour_map": scale.colour_map}
-        left = mesh_scene(mesh, _lengths(yours), title="yours", value_name=name, direction=towards, **both)
-        middle = mesh_scene(
-            mesh, _lengths(truth), title="expected", value_name=name, direction=towards, **both
+        limits = None if scale is None else (scale.low, scale.high)
+        colours = None if scale is None else scale.colour_map
+        left, middle = (
+            mesh_scene(
+                mesh,
+                _lengths(values),
+                title=title,
+                value_name=name,
+                direction=towards,
+                limits=limits,
+                colour_map=colours,
+            )
+            for title, values in (("yours", yours), ("expected", truth))
         )
         right = mesh_scene(
             mesh,

@@ -21,6 +21,7 @@ MAX_BYTES = 100 * 2**20
 SUFFIXES = (".ipynb", ".py")
 
 _BOMS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
+_BETWEEN = re.compile(r"[,\s]*")
 _DEFINITION = re.compile(r"^(?:async\s+)?def\s+(\w{1,100})\s*\(|^(\w{1,100})\s*=[^=]", re.MULTILINE)
 
 
@@ -129,10 +130,11 @@ def read_notebook(path: Path) -> Notebook:
         text, notes = _decode(_bytes_of(path))
         if path.suffix.lower() == ".py":
             return Notebook(path.name, tuple(_split(text)), notes)
-        cells = _cells_of(_parsed(text))
+        content, damage = _parsed(text)
+        cells = _cells_of(content)
     except _Unreadable as error:
         return Notebook(path.name, notes=(f"the file cannot be read: {error}",), readable=False)
-    return Notebook(path.name, tuple(_code(cells)), (*notes, *_misplaced(cells)))
+    return Notebook(path.name, tuple(_code(cells)), (*notes, *damage, *_misplaced(cells)))
 
 
 def _bytes_of(path: Path) -> bytes:
@@ -149,12 +151,29 @@ def _bytes_of(path: Path) -> bytes:
     return raw
 
 
-def _parsed(text: str) -> object:
+def _parsed(text: str) -> tuple[object, tuple[str, ...]]:
+    """Return what a file holds, or the cells before its damage, and what is to be said of it."""
     try:
-        content: object = json.loads(text)
+        return json.loads(text), ()
     except (ValueError, RecursionError) as error:
-        raise _Unreadable(f"it is not a notebook ({str(error)[:80]})") from None
-    return content
+        cells = list(_whole_cells(text))
+        if not cells:
+            raise _Unreadable(f"it is not a notebook ({str(error)[:80]})") from None
+        word = "one cell" if len(cells) == 1 else f"{len(cells)} cells"
+        return {"cells": cells}, (f"the file is damaged; {word} before the damage could be read",)
+
+
+def _whole_cells(text: str) -> Iterator[object]:
+    """Yield the cells of a notebook that can be read one by one, until one cannot."""
+    start = re.search(r'"cells"\s*:\s*\[', text)
+    at = start.end() if start else len(text)
+    decoder = json.JSONDecoder()
+    while gap := _BETWEEN.match(text, at):
+        try:
+            cell, at = decoder.raw_decode(text, gap.end())
+        except (ValueError, RecursionError):
+            return
+        yield cell
 
 
 def _decode(raw: bytes) -> tuple[str, tuple[str, ...]]:

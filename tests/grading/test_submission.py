@@ -59,7 +59,7 @@ def test_latin_1_is_read_and_said(tmp_path):
     ("content", "why"),
     [
         ("", "empty"), (" \n", "empty"), ("{", "not a notebook"), ("[]", "not a notebook"),
-        ("3", "not a notebook"), ("{}", "not a notebook"), (notebook(SOURCE)[:-9], "not a notebook"),
+        ("3", "not a notebook"), ("{}", "not a notebook"), ('{"cells": [{"cell_type"', "not a notebook"),
         (b"\0\xff" * 50, "not a notebook"), ("[" * 100_000, "not a notebook"),
         ('{"cells": 3}', "not a notebook"), ("PK\x03\x04", "not a notebook"),
     ],
@@ -147,3 +147,23 @@ def test_a_variable_that_is_called_like_an_exercise_brings_in_no_chapter(tmp_pat
 
     (tmp_path / "ada.ipynb").write_text(notebook("def triangle_area(a, b, c):\n    return 0\ncube = 3"))
     assert [chapter.stem for chapter in chapters_in(read_folder(tmp_path)[0].notebooks)] == ["welcome"]
+
+
+@pytest.mark.parametrize("lost", [1, 9, 40])
+def test_of_a_file_that_is_cut_off_the_whole_cells_count(tmp_path, lost):
+    cells = [{"cell_type": "code", "source": f"def f{i}(): return {i}", "outputs": []} for i in range(5)]
+    text = json.dumps({"cells": cells})
+    path = tmp_path / "ada.ipynb"
+    path.write_text(text[:-lost])
+    read = read_notebook(path)
+    whole = 5 if lost == 1 else 4
+    assert read.readable
+    assert [source for _, source in read.cells] == [cell["source"] for cell in cells[:whole]]
+    assert read.notes == (f"the file is damaged; {whole} cells before the damage could be read",)
+
+
+def test_what_comes_after_damage_is_not_guessed(tmp_path):
+    text = json.dumps({"cells": [{"cell_type": "code", "source": f"x = {i}"} for i in range(4)]})
+    path = tmp_path / "ada.ipynb"
+    path.write_text(text.replace('"x = 2"', '"x = 2'))
+    assert [source for _, source in read_notebook(path).cells] == ["x = 0", "x = 1"]

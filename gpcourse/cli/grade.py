@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 @click.option("--chapter", "chapters", multiple=True, help="Grade this chapter only, as 1 or halfedge.")
 @click.option("--jobs", type=click.IntRange(min=1), help="Submissions at a time; by default one a core.")
 @click.option("--allow-unconfined", is_flag=True, help="Grade work you trust where it cannot be confined.")
+@click.option("--junit", is_flag=True, help="Also write junit.xml, for CI.")
 @click.option("--quiet", is_flag=True, help="No progress bar, no summary.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 def grade(
@@ -30,6 +31,7 @@ def grade(
     chapters: tuple[str, ...],
     jobs: int | None,
     allow_unconfined: bool,
+    junit: bool,
     quiet: bool,
     as_json: bool,
 ) -> None:
@@ -54,6 +56,7 @@ def grade(
             chapters=chapters or None,
             jobs=jobs,
             allow_unconfined=allow_unconfined,
+            junit=junit,
             progress=lambda done, total, _: bar.update(task, completed=done, total=total),
         )
     faults = sum(report.status == "grader fault" for report in book.reports)

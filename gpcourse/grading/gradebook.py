@@ -78,7 +78,7 @@ def _test(judged: Judged) -> dict[str, Any]:
         "score": verdict.points,
         "max_score": verdict.exercise.points,
         "status": "passed" if verdict.outcome == "passed" else "failed",
-        "output": "\n".join([feedback.as_text(verdict), *judged.notes]),
+        "output": "\n".join([feedback.as_text(verdict, answers=False), *judged.notes]),
         "output_format": "text",
     }
 

@@ -16,6 +16,7 @@ from gpcourse.exercises.course import CHAPTERS, Chapter
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.grading import gradebook, reports
 from gpcourse.grading.judge import Report, judge_submission
+from gpcourse.grading.junit import junit as junit_xml
 from gpcourse.grading.submission import Notebook, Submission, read_folder
 from gpcourse.sandbox import confine, home
 from gpcourse.sandbox.line import Line
@@ -70,6 +71,7 @@ def grade(
     jobs: int | None = None,
     limits: confine.Limits | None = None,
     allow_unconfined: bool = False,
+    junit: bool = False,
     progress: Progress | None = None,
 ) -> GradeBook:
     """Grade the submissions in `folder` and write the grade book into `out`.
@@ -93,6 +95,8 @@ def grade(
     allow_unconfined : bool
         Grade also where student code cannot be confined at the level ``restricted``. Only for work
         that you trust.
+    junit : bool
+        Write ``junit.xml`` too.
     progress : callable, optional
         Called as ``progress(done, total, student)`` after each submission.
 
@@ -128,6 +132,8 @@ def grade(
                 progress(len(done), len(submissions), report.student)
     book = GradeBook(tuple(done[s.student] for s in submissions), chosen, exercises, seed, out, limits.least)
     gradebook.write(book.table, gradebook.grades_csv(book.reports, exercises))
+    if junit:
+        gradebook.write(out / "junit.xml", junit_xml(book.reports))
     gradebook.write(book.page, reports.class_page(book.reports, chosen, exercises, seed, names))
     return book
 

@@ -5,6 +5,7 @@ import io
 import json
 import re
 from html.parser import HTMLParser
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -12,9 +13,10 @@ import pytest
 from gpcourse.exercises import expect
 from gpcourse.exercises.course import Chapter
 from gpcourse.exercises.exercise import Exercise
-from gpcourse.exercises.judging import ask_here, judge
+from gpcourse.exercises.judging import Verdict, ask_here, judge
 from gpcourse.grading import gradebook, reports
 from gpcourse.grading.judge import Judged, Report
+from gpcourse.grading.junit import junit
 
 
 def twice(x):
@@ -166,3 +168,38 @@ def test_a_file_is_written_as_a_whole(tmp_path, monkeypatch):
         gradebook.write(path, "half" * 10_000 + "\ud800")
     assert path.read_bytes() == b"old\n"
     assert [p.name for p in path.parent.iterdir()] == ["grades.csv"]
+
+
+def test_junit_tells_wrong_from_our_fault_and_from_nothing(exercise):
+    def report(student, *verdicts):
+        return Report(student, "graded", tuple(Judged(verdict) for verdict in verdicts))
+
+    def broken(arguments, limit):
+        raise RuntimeError("ours \x00")
+
+    xml = junit(
+        [
+            report("right", judge(exercise, ask_here(twice), 0)),
+            report("<wrong> \x1b & \ud800", judge(exercise, ask_here(lambda x: x**2), 0)),
+            report("ours", judge(exercise, broken, 0)),
+            report("none", Verdict(exercise, "not attempted")),
+        ]
+    )
+    root = ElementTree.fromstring(xml)
+    seen = {
+        suite.get("name"): [case[0].tag if len(case) else "passed" for case in suite]
+        for suite in root.findall("testsuite")
+    }
+    assert seen == {
+        "right": ["passed", "passed"],
+        "<wrong> \ufffd & \ufffd": ["passed", "failure"],
+        "ours": ["error", "error"],
+        "none": ["skipped", "skipped"],
+    }
+    assert (root.get("tests"), root.get("failures"), root.get("errors"), root.get("skipped")) == (
+        "8", "1", "2", "2",
+    )  # fmt: skip
+    assert [case.get("name") for case in root[0]] == ["zero stays zero", "three becomes six"]
+    failure = root.find(".//failure")
+    assert "Twice 3" in failure.get("message")
+    assert "true " not in failure.text

@@ -10,9 +10,12 @@ from gpcourse.exercises.judging import Verdict
 _WIDTH = 100
 
 
-def as_text(verdict: Verdict) -> str:
-    """Return the feedback on one exercise as plain text, at most 100 columns wide."""
-    said = content(verdict)
+def as_text(verdict: Verdict, *, answers: bool = True) -> str:
+    """Return the feedback on one exercise as plain text, at most 100 columns wide.
+
+    Without `answers` it leaves out what is true, as on pages that are handed out.
+    """
+    said = content(verdict, answers=answers)
     blocks = [
         "\n".join([*_wrapped(f"{said.name}: {_points(said.points, said.of)}. {said.headline}"), *_rows(said)])
     ]

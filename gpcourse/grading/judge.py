@@ -36,7 +36,7 @@ class Report:
     """A submission with its verdicts, in the order of the exercises.
 
     `status` is ``graded``; ``not attempted`` when no exercise was; ``unreadable`` when no file
-    could be read; ``grader fault`` when a person has to look, because a check of ours broke.
+    could be read, or what was read of a damaged one holds no work; ``grader fault`` when a person has to look, because a check of ours broke.
     `confinement` is the level (see `sandbox.lockdown`) at which its code was run.
     """
 
@@ -89,7 +89,9 @@ def _status(submission: Submission, judged: Sequence[Judged]) -> str:
         return "grader fault"
     if not submission.readable:
         return "unreadable"
-    return "not attempted" if outcomes <= {"not attempted"} else "graded"
+    if outcomes <= {"not attempted"}:
+        return "unreadable" if submission.damaged else "not attempted"  # the work may be in what is lost
+    return "graded"
 
 
 class _Room:

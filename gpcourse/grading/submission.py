@@ -29,13 +29,15 @@ _DEFINITION = re.compile(r"^(?:async\s+)?def\s+(\w{1,100})\s*\(|^(\w{1,100})\s*=
 class Notebook:
     """The code cells of one file, each with its number among all cells, and what is to be said of them.
 
-    `readable` is False when nothing could be read; the notes say why.
+    `readable` is False when nothing could be read, `damaged` True when the end is missing; the notes say
+    why.
     """
 
     name: str
     cells: tuple[tuple[int, str], ...] = ()
     notes: tuple[str, ...] = ()
     readable: bool = True
+    damaged: bool = False
 
     @property
     def defines(self) -> frozenset[str]:
@@ -61,6 +63,11 @@ class Submission:
     def readable(self) -> bool:
         """Whether at least one file could be read."""
         return any(notebook.readable for notebook in self.notebooks)
+
+    @property
+    def damaged(self) -> bool:
+        """Whether something of it may be lost."""
+        return any(notebook.damaged or not notebook.readable for notebook in self.notebooks)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -134,7 +141,9 @@ def read_notebook(path: Path) -> Notebook:
         cells = _cells_of(content)
     except _Unreadable as error:
         return Notebook(path.name, notes=(f"the file cannot be read: {error}",), readable=False)
-    return Notebook(path.name, tuple(_code(cells)), (*notes, *damage, *_misplaced(cells)))
+    return Notebook(
+        path.name, tuple(_code(cells)), (*notes, *damage, *_misplaced(cells)), damaged=bool(damage)
+    )
 
 
 def _bytes_of(path: Path) -> bytes:

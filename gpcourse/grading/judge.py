@@ -36,7 +36,8 @@ class Report:
     """A submission with its verdicts, in the order of the exercises.
 
     `status` is ``graded``; ``not attempted`` when no exercise was; ``unreadable`` when no file
-    could be read, or what was read of a damaged one holds no work; ``grader fault`` when a person has to look, because a check of ours broke.
+    could be read, or what was read of a damaged one holds no work; ``grader fault`` when a person has
+    to look, because a check of ours broke.
     `confinement` is the level (see `sandbox.lockdown`) at which its code was run.
     """
 

@@ -36,8 +36,6 @@ def options(exercise):
     return {p.name: p.default for p in parameters if p.default is not p.empty}
 
 
-#: Options that no check asks yet.
-UNASKED = {"align_scans": {"normals"}}
 JUNK = [None, -1.5, "text", [], {}, slice(3), float("nan"), [[None]], {1, 2}]
 MISTAKES = [pytest.param(e, m, id=f"{e.name}-{m.name}") for e in EXERCISES for m in e.mistakes]
 
@@ -115,7 +113,7 @@ def test_every_option_is_asked_by_a_check(exercise):
     for question in (q for r in verdict.results for q in r.questions):
         given = exercise.signature.bind(*question.arguments, **question.options).arguments
         asked |= {name for name, value in options(exercise).items() if given.get(name, value) is not value}
-    assert asked | UNASKED.get(exercise.name, set()) == set(options(exercise))
+    assert asked == set(options(exercise))
 
 
 def test_another_seed_gives_other_inputs_and_the_same_seed_the_same():

@@ -339,7 +339,10 @@ const boot = async (kept) => {
       const whole = oneBar() ? { x: 0, y: 0, w: innerWidth, h: cell.y + cell.h } : cell;
       const high = Math.min(Math.max(whole.h * 0.6, 60), 220), bar = make("div", furniture, { className: "bar" });
       bar.style.cssText = `left:${whole.x + whole.w - BAR}px;top:${whole.y + (whole.h - high) / 2 + 8}px;height:${high}px;background:linear-gradient(to top,${panel.scale.colours.join(",")})`;
-      if (panel.scale.name) make("b", bar, { textContent: panel.scale.name }).style.cssText = "right:auto;left:0";
+      if (panel.scale.name) {
+        const name = make("b", bar, { textContent: panel.scale.name }), wide = name.offsetWidth > BAR - 4;
+        name.style.cssText = wide ? `left:auto;right:${16 - BAR}px` : "right:auto;left:0";
+      }
       for (const t of ticks(panel.scale).at) make("span", bar, { textContent: shortly(t) }).style.top = `${(100 * (panel.scale.high - t)) / (panel.scale.high - panel.scale.low)}%`;
     });
   };

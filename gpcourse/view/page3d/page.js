@@ -186,14 +186,17 @@ const boot = async (kept) => {
   };
   const oneBar = () => header.frames[state.frame].some((p) => p.scale && !p.bar);  // for all panels, at the right
   const cells = () => {
-    const n = header.cameras.length, w = innerWidth - (oneBar() ? BAR : 0), h = innerHeight - (tools.classList.contains("stay") ? tools.offsetHeight + 6 : 0);
+    const n = header.cameras.length, w = innerWidth - (oneBar() ? barRoom() : 0), h = innerHeight - (tools.classList.contains("stay") ? tools.offsetHeight + 6 : 0);
     const columns = n === 1 || w < 1.2 * h ? (w < 1.2 * h && n > 1 ? 1 : n) : Math.min(n, 4), rows = Math.ceil(n / columns);
     return header.cameras.map((_, i) => ({ x: ((i % columns) * w) / columns, y: (Math.floor(i / columns) * h) / rows, w: w / columns, h: h / rows }));
   };
-  const BAR = 64, TOP = 26;
+  const wide = (text, font) => { const pen = marks.getContext("2d"); pen.font = `${font} system-ui, sans-serif`; return pen.measureText(text).width; };
+  const barRoom = () => Math.max(64, ...header.frames[state.frame].map((p) => (p.bar && p.scale.name ? wide(p.scale.name, "500 12px") + 10 : 0)));
+  /* Titles stand over their panels; the longest decides how many lines they all get. */
+  const titleRoom = (w) => Math.max(...header.frames[state.frame].map((p) => (p.title ? 8 + 19 * Math.ceil(wide(p.title, "600 14px") / Math.max(w - 16, 40)) : 0)));
   const view = (i, cell) => {
-    const camera = header.cameras[i], panel = header.frames[state.frame][i], bar = panel.bar && !oneBar() ? BAR : 0;
-    const MARGIN = panel.layers.some((l) => l.texts && l.texts.length) ? 20 : 8;  // numbers lie around what they name
+    const camera = header.cameras[i], panel = header.frames[state.frame][i], bar = panel.bar && !oneBar() ? barRoom() : 0, TOP = titleRoom(cell.w);
+    const MARGIN = panel.layers.some((l) => l.texts && l.texts.length) ? 25 : 8;  // numbers lie around what they name
     const w = Math.max(cell.w - bar - 2 * MARGIN, 20), h = Math.max(cell.h - TOP - 2 * MARGIN, 20);
     const k = Math.min(w / (2 * camera.half[0]), h / (2 * camera.half[1])) * state.zoom;
     return { axes: times(state.turn, camera.axes), focus: camera.focus, k, cx: cell.x + MARGIN + w / 2 + state.pan[0], cy: cell.y + TOP + MARGIN + h / 2 + state.pan[1], reach: 2 * camera.reach, w, h, bar };
@@ -338,11 +341,8 @@ const boot = async (kept) => {
       if (!panel.bar) return;
       const whole = oneBar() ? { x: 0, y: 0, w: innerWidth, h: cell.y + cell.h } : cell;
       const high = Math.min(Math.max(whole.h * 0.6, 60), 220), bar = make("div", furniture, { className: "bar" });
-      bar.style.cssText = `left:${whole.x + whole.w - BAR}px;top:${whole.y + (whole.h - high) / 2 + 8}px;height:${high}px;background:linear-gradient(to top,${panel.scale.colours.join(",")})`;
-      if (panel.scale.name) {
-        const name = make("b", bar, { textContent: panel.scale.name }), wide = name.offsetWidth > BAR - 4;
-        name.style.cssText = wide ? `left:auto;right:${16 - BAR}px` : "right:auto;left:0";
-      }
+      bar.style.cssText = `left:${whole.x + whole.w - barRoom() + 2}px;top:${whole.y + (whole.h - high) / 2 + 8}px;height:${high}px;background:linear-gradient(to top,${panel.scale.colours.join(",")})`;
+      if (panel.scale.name) make("b", bar, { textContent: panel.scale.name }).style.cssText = "right:auto;left:0";
       for (const t of ticks(panel.scale).at) make("span", bar, { textContent: shortly(t) }).style.top = `${(100 * (panel.scale.high - t)) / (panel.scale.high - panel.scale.low)}%`;
     });
   };

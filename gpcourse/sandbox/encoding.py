@@ -16,6 +16,10 @@ MAX_DEPTH = 24
 MAX_ITEMS = 500_000
 #: Longest string, in characters, and largest whole number, in bits.
 MAX_TEXT = 2**20
+#: The most numbers that a sparse matrix may have when it is written out densely, as checks do.
+MAX_DENSE = 2**27
+#: Values of which only the name of the type crosses.
+MAX_OPAQUE = 1000
 MAX_BITS = 4096
 #: Whole numbers below this hash to themselves, so that no two keys of a dict can be made to collide.
 MAX_KEY = 2**60
@@ -33,6 +37,7 @@ class Encoder:
         self.lenient = lenient
         self.free = max_bytes
         self.items = 0
+        self.opaque = 0
         self.buffers: list[bytes] = []
 
     def encode(self, value: Any, depth: int = 0) -> Any:
@@ -145,6 +150,9 @@ class Encoder:
     def _sparse(self, value: Any, depth: int) -> Any:
         if len(value.shape) != 2:
             return self._array(value.toarray(), depth)
+        rows, columns = map(int, value.shape)
+        if rows * columns > MAX_DENSE:
+            raise WireError(f"a sparse matrix of {rows:,} × {columns:,} is too large to hand over")
         csr = value.tocsr()
         if csr.dtype.kind not in "biufc":
             return self._opaque(type(value).__name__)
@@ -157,6 +165,9 @@ class Encoder:
     def _opaque(self, name: str) -> Any:
         if not self.lenient:
             raise WireError(f"a {name} cannot be handed to another process")
+        self.opaque += 1
+        if self.opaque > MAX_OPAQUE:
+            raise WireError(f"more than {MAX_OPAQUE:,} values like a {name} are too many to hand over")
         return ["opaque", name[:100] if name.isidentifier() else "object"]
 
 

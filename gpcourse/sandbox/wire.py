@@ -28,6 +28,8 @@ HEAD = struct.Struct("<4sIQ")
 #: The most that a frame may hold: bytes of JSON, and bytes of raw buffers.
 MAX_HEADER = 8 * 2**20
 MAX_BUFFERS = 256 * 2**20
+#: Bytes of Python's objects a byte of JSON: ``["set"],`` becomes an empty set of 216 bytes.
+_OBJECTS = 32
 
 
 def pack(value: object, *, lenient: bool = False) -> bytes:
@@ -95,6 +97,12 @@ def lengths(head: bytes) -> tuple[int, int]:
     if header > MAX_HEADER or buffers > MAX_BUFFERS:
         raise WireError(f"a frame that announces {header:,} + {buffers:,} bytes, more than is allowed")
     return header, buffers
+
+
+def weight(head: bytes) -> int:
+    """Return about how many bytes of memory the value of a frame takes at most, or raise WireError."""
+    header, buffers = lengths(head)
+    return _OBJECTS * header + buffers
 
 
 def _parse(frame: memoryview, header: int) -> Any:

@@ -28,7 +28,7 @@ import numpy as np
 
 from gpcourse.errors import WireError
 from gpcourse.sandbox import wire
-from gpcourse.sandbox.call import Answer, Trouble, call, describe
+from gpcourse.sandbox.call import LONGEST_NAME, Answer, Trouble, call, describe
 from gpcourse.sandbox.deadline import TimeLimit, deadline
 from gpcourse.sandbox.landlock import Grant
 from gpcourse.sandbox.lockdown import lock, readings
@@ -36,6 +36,9 @@ from gpcourse.sandbox.program import Program, Statement
 
 #: Where the place of a crash is written, in the working folder.
 CRASH_FILE = "crash.txt"
+
+#: The most names and notes that are handed over.
+_MOST_NAMES, _MOST_NOTES = 10_000, 50
 
 Message = dict[str, Any]
 
@@ -57,14 +60,14 @@ class Notebook:
         self.program = Program([])
         self.rooms: dict[str, Room] = {}
 
-    def load(self, cells: list[tuple[int, str]]) -> Message:
-        """Read the cells; nothing of them is run."""
-        self.program, self.rooms = Program(cells), {}
-        names = sorted(self.program.binders)
+    def load(self, cells: list[tuple[int, bytes]]) -> Message:
+        """Read the cells, each with its number and its text in UTF-8; nothing of them is run."""
+        self.program, self.rooms = Program((number, text.decode()) for number, text in cells), {}
+        names = sorted(name for name in self.program.binders if len(name) <= LONGEST_NAME)[:_MOST_NAMES]
         return {
             "names": names,
             "stubs": [name for name in names if self.program.is_stub(name)],
-            "broken": [astuple(trouble) for trouble, _ in self.program.broken],
+            "broken": [astuple(trouble) for trouble, _ in self.program.broken[:_MOST_NOTES]],
         }
 
     def prepare(self, name: str, limit: float, wall: float) -> Message:
@@ -79,7 +82,8 @@ class Notebook:
         if room.status == "ready" and not callable(vars(room.module).get(name)):
             room.trouble = room.trouble or self.program.loss(name)
             room.status = "missing" if room.trouble is None else "raised"
-        return {"status": room.status, "trouble": _plain(room.trouble), "notes": room.notes}
+        notes = room.notes[:_MOST_NOTES]
+        return {"status": room.status, "trouble": _plain(room.trouble), "notes": notes}
 
     def _run(self, statement: Statement, room: Room, name: str) -> None:
         try:

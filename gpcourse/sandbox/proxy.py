@@ -96,8 +96,8 @@ class Worker:
             self.close()
             return Ready(gone.status, self._trouble(gone))
 
-    def ask(self, name: str, arguments: tuple[Any, ...], limit: float) -> Answer:
-        """Call the function `name` with `arguments` for at most `limit` seconds of processor time.
+    def ask(self, name: str, arguments: tuple[Any, ...], options: dict[str, Any], limit: float) -> Answer:
+        """Call ``name(*arguments, **options)`` for at most `limit` seconds of processor time.
 
         Raises
         ------
@@ -113,7 +113,14 @@ class Worker:
             wall = self.limits.wall(limit)
             before = self._line.received
             reply = self._line.request(
-                "call", limit + GRACE, wall + GRACE, name=name, arguments=arguments, limit=limit, wall=wall
+                "call",
+                limit + GRACE,
+                wall + GRACE,
+                name=name,
+                arguments=arguments,
+                options=options,
+                limit=limit,
+                wall=wall,
             )
         except Gone as gone:
             self.close()

@@ -50,7 +50,7 @@ ENDING = [
     function(
         "recursion in compiled code",
         "ran()\nsys.setrecursionlimit(10**9)\nnested = []\nfor _ in range(10**6): nested = [nested]\nreturn len(repr(nested))",
-        "crashed", "error",
+        "crashed", "error", "timeout",
     ),
     function(
         "a destructor that never ends",

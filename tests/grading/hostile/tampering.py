@@ -215,7 +215,7 @@ TAMPERING = [
         "solutions by inspect", "inspect.getsource(halfedge.genus)", "halfedge.genus.__wrapped__", "halfedge.genus.__code__",
         setup="import inspect\nfrom gpcourse.reference import halfedge", says="TypeError|AttributeError", confined=False,
     ),
-    tries("where the course is installed", "[open(p).read() for p in found][0]", setup="import glob, site\nfound = [p for s in site.getsitepackages() for p in glob.glob(s + '/*gpcourse*/*.json') + glob.glob(s + '/*gpcourse*.pth')]", says="PermissionError|IndexError"),
+    tries("where the course is installed", "[open(p).read() for p in found][0] or 1 / 0", setup="import glob, site\nfound = [p for s in site.getsitepackages() for p in glob.glob(s + '/*gpcourse*/*.json') + glob.glob(s + '/*gpcourse*.pth')]", says="PermissionError|IndexError|ZeroDivisionError"),
     tries("the package of all workers changed", "open(gpcourse.__file__, 'a')", "os.remove(gpcourse.__file__)", "open(os.path.dirname(gpcourse.__file__) + '/geometry/x.py', 'w')", "os.rename(gpcourse.__file__, 'mine')", setup="import gpcourse", says="PermissionError|OSError"),
     tries("the folder of packages changed", "open(os.path.dirname(numpy.__file__) + '/x.py', 'w')", "os.remove(numpy.__file__)", setup="import numpy", says="PermissionError|OSError"),
     tries(
@@ -230,7 +230,7 @@ TAMPERING = [
     ),
     tries("terminal and devices", "open('/dev/tty')", "open('/dev/mem', 'rb')", "open('/dev/kmsg')", "open('/dev/fuse')", "os.listdir('/dev')"),
     tries("what the kernel tells", "os.listdir('/sys/class')", "open('/etc/passwd')", "os.listdir('/home')", "os.listdir('/root')", "os.listdir('/')", "os.listdir('/tmp')"),
-    tries("root again", "os.setuid(0)", "os.setresuid(0, 0, 0)", "os.setgroups([0])", "os.chroot('.')", "os.mknod('dev', 0o020600, os.makedev(1, 1))", says="PermissionError|OSError"),
+    tries("another user", "os.setuid(1)", "os.setresgid(1, 1, 1)", "os.setgroups([0])", "os.chroot('.')", "os.mknod('dev', 0o020600, os.makedev(1, 1))", says="PermissionError|OSError"),
     tries("limits raised", "resource.setrlimit(resource.RLIMIT_AS, (-1, -1))", "resource.setrlimit(resource.RLIMIT_CPU, (10**6, 10**6))", "resource.setrlimit(resource.RLIMIT_FSIZE, (-1, -1))", setup="import resource", says="ValueError", confined=True),
     tries("a hard link to another submission", "os.link('OUTSIDE/bob.ipynb', 'mine')", "os.link(gpcourse.__file__, 'ours')", setup="import gpcourse", says="PermissionError|OSError"),
     tries("a pipe with a name", "os.mkfifo('fifo')", "os.mkfifo('OUTSIDE/fifo')"),

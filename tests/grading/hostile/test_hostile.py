@@ -30,14 +30,20 @@ def load(name):
     return module
 
 
-attack, ending, resources, tampering = map(load, ("attack", "ending", "resources", "tampering"))
+attack, ending, resources, tampering, honest = map(
+    load, ("attack", "ending", "resources", "tampering", "honest")
+)
 ATTACKS = [*ending.ENDING, *resources.RESOURCES, *tampering.TAMPERING]
 
-HONEST = "def plus_one(x):\n    return x + 1"
-LIMITS = confine.Limits(load=1.0, memory=2 * 2**30, patience=1.0)
+PLUS_ONE = "def plus_one(x):\n    return x + 1"
+LIMITS = confine.Limits(load=1.0, memory=2 * 2**30, patience=1.0, threads=500)
 
 #: Lines of the package that, replaced in a copy of it, leave out a part of the confinement.
-NO_NAMESPACES = ("namespaces.py", "def enter(", "def enter(*_):\n    return View(('left out',))\n\n\ndef _enter(")
+NO_NAMESPACES = (
+    "namespaces.py",
+    "def enter(",
+    "def enter(*_):\n    return View(('left out',))\n\n\ndef _enter(",
+)
 NO_LOCK = ("lockdown.py", "def lock(", "def lock(*_):\n    return Confinement()\n\n\ndef _lock(")
 LEFT_OUT = {"full": [], "restricted": [NO_NAMESPACES], "limits": [NO_NAMESPACES, NO_LOCK]}
 
@@ -63,7 +69,26 @@ def exercise(function, limit):
     return made
 
 
+def scaled(v):
+    """Return an array times two."""
+    return 2 * v
+
+
+def arrays_exercise():
+    made = Exercise(scaled, notes="ch. 0", hints=["Look again."], time_limit=0.5)
+
+    @made.check("arrays", points=2)
+    def _(f, rng):
+        v = rng.normal(size=(5, 3))
+        before = v.copy()
+        expect.close(expect.array(f(v), (5, 3)), 2 * before, 1e-5, "The result")
+        assert (v == before).all()
+
+    return made
+
+
 EXERCISES = [exercise(twice, 0.5), exercise(plus_one, 5.0)]
+ARRAYS = [arrays_exercise(), EXERCISES[1]]
 
 
 @pytest.fixture(scope="module", params=LEVELS[::-1])
@@ -137,29 +162,40 @@ def judged(text, outside, start, exercises=EXERCISES, seed=0):
     return report, "".join(texts)
 
 
-@pytest.mark.parametrize("attack", ATTACKS, ids=lambda attack: attack.name)
-def test_a_hostile_function_gets_what_it_deserves(attack, outside, start, level, monkeypatch):
-    least = max(attack.least, "restricted" if attack.confined else "limits", key=LEVELS.index)
+@pytest.mark.parametrize("case", ATTACKS, ids=lambda case: case.name)
+def test_a_hostile_function_gets_what_it_deserves(case, outside, start, level, monkeypatch):
+    least = max(case.least, "restricted" if case.confined else "limits", key=LEVELS.index)
     if LEVELS.index(level) < LEVELS.index(least):
         pytest.skip(f"the level {least} stops it")
-    if "syscall" in attack.cell and platform.machine() != "x86_64":
+    if "syscall" in case.cell and platform.machine() != "x86_64":
         pytest.skip("the numbers of calls are those of x86_64")
     monkeypatch.setenv("SECRET", "1")
     monkeypatch.setattr(proxy, "GRACE", 0.5)
     before = state(outside)
-    code = attack.cell.replace("OUTSIDE", str(outside)).replace("COURSE", str(home.PACKAGE))
-    report, said = judged(notebook(sys.modules["attack"].TOOLS, code, HONEST), outside, start)
+    code = case.cell.replace("OUTSIDE", str(outside)).replace("COURSE", str(home.PACKAGE))
+    report, said = judged(notebook(attack.TOOLS, code, PLUS_ONE), outside, start)
     hostile, honest = (one.verdict for one in report.judged)
     # What namespaces hide cannot even be refused.
-    signs = {*attack.says.split("|"), *(["FileNotFoundError"] if level == "full" and attack.confined else [])}
-    assert any(sign in said for sign in signs), "its body did not run"
+    signs = {*case.says.split("|"), *(["FileNotFoundError"] if level == "full" and case.confined else [])}
+    assert any(sign in said for sign in signs), f"its body did not run: {said[:500]}"
     assert "did it" not in said
-    assert hostile.outcome in attack.deserves
+    assert hostile.outcome in case.deserves
     assert hostile.points == (2 if hostile.outcome == "passed" else 0)
     assert (honest.outcome, honest.points) == ("passed", 2)
     assert report.status == "graded"
     assert all(len(t) <= 2000 and t.isprintable() for t in texts_of(report))
     assert state(outside) == before
+
+
+@pytest.mark.parametrize("work", honest.HONEST, ids=lambda work: work.id)
+def test_honest_work_gets_all_its_points(work, outside, start, level):
+    if level == "limits":
+        pytest.skip("what passes confined passes free")
+    exercises = EXERCISES if work.name == "twice" else ARRAYS
+    report, said = judged(notebook(attack.TOOLS, work.cell, PLUS_ONE), outside, start, exercises)
+    assert "ran" in said or "a" in said
+    assert [(one.verdict.outcome, one.verdict.points) for one in report.judged] == [("passed", 2)] * 2
+    assert report.status == "graded"
 
 
 def texts_of(report):

@@ -107,6 +107,8 @@ class Line:
 
         Raises WireError if the request cannot be sent as a frame: nothing happens to the process then.
         """
+        if self.closed:  # the numbers of its pipes may be another file's by now
+            raise Gone("crashed", "the Python process has ended")
         self.number += 1
         frame = wire.pack({"number": self.number, "do": do, **content})
         try:

@@ -83,6 +83,7 @@ class Worker:
         try:
             reply = self._start()
         except Gone as gone:
+            self.close()
             return Survey(crash=self._trouble(gone))
         return Survey(
             _words(reply.get("names")), _words(reply.get("stubs")), _troubles(reply.get("broken"), self._line)
@@ -133,9 +134,14 @@ class Worker:
     def _start(self) -> dict[Any, Any]:
         self._line = self.start(self.package, self.limits)
         seconds = self.limits.load + GRACE
-        # As bytes: a cell may hold more text than a string that crosses as one.
-        cells = [(number, source.encode("utf-8", "replace")) for number, source in self.cells]
-        return self._line.request("load", seconds, self.limits.wall(seconds), cells=cells)
+        # As bytes: a cell may be longer than a string that can cross.
+        texts = [source.encode("utf-8", "replace") for _, source in self.cells]
+        cells = {
+            "numbers": [n for n, _ in self.cells],
+            "sizes": list(map(len, texts)),
+            "text": b"".join(texts),
+        }
+        return self._line.request("load", seconds, self.limits.wall(seconds), **cells)
 
     def _prepare(self, name: str) -> Ready:
         if self._line is None:

@@ -28,8 +28,8 @@ HEAD = struct.Struct("<4sIQ")
 #: The most that a frame may hold: bytes of JSON, and bytes of raw buffers.
 MAX_HEADER = 8 * 2**20
 MAX_BUFFERS = 256 * 2**20
-#: Bytes of Python's objects a byte of JSON: ``["set"],`` becomes an empty set of 216 bytes.
-_OBJECTS = 32
+#: Bytes of Python's objects for a byte of JSON: ``["set"],`` becomes a list and a set of 216 bytes.
+_OBJECTS = 48
 
 
 def pack(value: object, *, lenient: bool = False) -> bytes:

@@ -3,7 +3,7 @@
 It knows of no exercise, check, seed or solution. Its requests and replies are the frames of `wire`, on pipes
 that were its standard input and output; student code finds nothing but the null device there. The requests:
 
-- ``load`` (cells): which functions there are, which of them are stubs, which cells are broken;
+- ``load`` (numbers, sizes, text): which functions there are, which are stubs, which cells are broken;
 - ``prepare`` (name, limit, wall): run what that function needs, in a namespace of its own;
 - ``call`` (name, arguments, options, limit, wall): call it.
 
@@ -15,6 +15,7 @@ from __future__ import annotations
 import builtins
 import contextlib
 import faulthandler
+import itertools
 import os
 import random
 import sys
@@ -60,9 +61,13 @@ class Notebook:
         self.program = Program([])
         self.rooms: dict[str, Room] = {}
 
-    def load(self, cells: list[tuple[int, bytes]]) -> Message:
-        """Read the cells, each with its number and its text in UTF-8; nothing of them is run."""
-        self.program, self.rooms = Program((number, text.decode()) for number, text in cells), {}
+    def load(self, numbers: list[int], sizes: list[int], text: bytes) -> Message:
+        """Read the cells, whose texts follow each other in UTF-8; nothing of them is run."""
+        ends = itertools.accumulate(sizes)
+        cells = (
+            (n, text[end - size : end].decode()) for n, size, end in zip(numbers, sizes, ends, strict=True)
+        )
+        self.program, self.rooms = Program(cells), {}
         names = sorted(name for name in self.program.binders if len(name) <= LONGEST_NAME)[:_MOST_NAMES]
         return {
             "names": names,

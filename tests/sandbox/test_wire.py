@@ -144,6 +144,47 @@ def test_reading_a_forged_frame_takes_little_memory():
     assert peak < 1_000_000
 
 
+def peak_of(frame):
+    """Return the bytes of memory that reading a frame takes at most, and whether it is a value."""
+    tracemalloc.start()
+    try:
+        np.asarray(wire.unpack(frame), dtype=object)
+        return tracemalloc.get_traced_memory()[1], True
+    except WireError:
+        return tracemalloc.get_traced_memory()[1], False
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize(
+    "tree", [["list"], ["set"], ["dict"], ["opaque", "a"], ["int", "1"], 1.5, "ab"], ids=str
+)
+def test_a_frame_takes_no_more_memory_than_its_weight(tree):
+    frame = frame_of(["list", *[tree] * 20_000])
+    assert peak_of(frame)[0] < wire.weight(frame[: wire.HEAD.size]) + 100_000
+
+
+def test_a_long_text_among_short_ones_would_fill_the_memory_and_is_refused():
+    """numpy gives each text of an array the length of the longest: here 4 GB."""
+    for long in ("x" * 2**20, b"x" * 2**20):
+        with pytest.raises(WireError, match="characters"):
+            there_and_back(["y", [long, *["y"] * 1000]])
+    assert len(there_and_back(["x" * 1000] * 1000)) == 1000
+
+
+@pytest.mark.parametrize("send", [lambda: [object() for _ in range(1100)], lambda: [Foo()] * 1100])
+def test_each_value_of_another_kind_is_a_class_and_they_are_few(send):
+    with pytest.raises(WireError, match="too many"):
+        wire.pack(send(), lenient=True)
+    with pytest.raises(WireError, match="other kinds"):
+        wire.unpack(frame_of(["list", *[["opaque", f"a{i}"] for i in range(1100)]]))
+
+
+def test_a_sparse_matrix_that_would_be_large_if_written_out_does_not_cross():
+    with pytest.raises(WireError, match="too large"):
+        wire.pack(sparse.csr_array((10**4, 10**6)))
+
+
 def test_a_stream_holds_frame_after_frame_and_says_when_it_ends():
     import io
 

@@ -30,8 +30,8 @@ def load(name):
     return module
 
 
-attack, ending, resources, tampering, honest = map(
-    load, ("attack", "ending", "resources", "tampering", "honest")
+attack, ending, resources, tampering, honest, damaged = map(
+    load, ("attack", "ending", "resources", "tampering", "honest", "damaged")
 )
 ATTACKS = [*ending.ENDING, *resources.RESOURCES, *tampering.TAMPERING]
 
@@ -136,7 +136,7 @@ def notebook(*cells):
     return json.dumps({"cells": [{"cell_type": "code", "source": source} for source in cells]})
 
 
-def judged(text, outside, start, exercises=EXERCISES, seed=0):
+def judged(text, outside, start, exercises=EXERCISES, seed=0, file="ada.ipynb"):
     """Judge a real notebook; return the report and what was written into scratch folders."""
     texts = []
 
@@ -154,7 +154,7 @@ def judged(text, outside, start, exercises=EXERCISES, seed=0):
 
     folder = outside.parent / "class"
     folder.mkdir()
-    (folder / "ada.ipynb").write_text(text, encoding="utf-8")
+    (folder / file).write_bytes(text if isinstance(text, bytes) else text.encode())
     submission = read_folder(folder)[0]
     report = judge_submission(
         submission, exercises, seed, lambda n: Worker(list(n.cells), Path(), LIMITS, start_and_watch)
@@ -196,6 +196,18 @@ def test_honest_work_gets_all_its_points(work, outside, start, level):
     assert "ran" in said or "a" in said
     assert [(one.verdict.outcome, one.verdict.points) for one in report.judged] == [("passed", 2)] * 2
     assert report.status == "graded"
+
+
+@pytest.mark.parametrize("damage", damaged.DAMAGED, ids=lambda damage: damage.id)
+def test_of_a_damaged_notebook_what_can_be_read_counts(damage, outside, start, level):
+    if level != "full":
+        pytest.skip("files are read before any worker is started")
+    report, said = judged(damage.make(attack.TOOLS), outside, start, file=damage.file)
+    assert tuple(one.verdict.outcome for one in report.judged) == damage.outcomes, report.notes
+    assert report.points == 2 * damage.outcomes.count("passed")
+    assert report.status == damage.status
+    assert damage.note in " ".join(report.notes)
+    assert ("ran" in said) == (damage.outcomes[0] in ("passed", "failed"))
 
 
 def texts_of(report):

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from gpcourse.errors import GeometryError, WireError
+from gpcourse.geometry.functions import FUNCTIONS
 from gpcourse.geometry.halfedge_mesh import HalfedgeMesh
 from gpcourse.sandbox.encoding import (
     DTYPES,
@@ -34,9 +35,9 @@ class Opaque:
         return f"<{type(self).__name__}>"
 
 
-def decode(tree: object, buffers: list[memoryview]) -> Any:
-    """Build the value of a tree, or raise WireError."""
-    decoder = Decoder(buffers)
+def decode(tree: object, buffers: list[memoryview], *, functions: bool = False) -> Any:
+    """Build the value of a tree, or raise WireError; `functions` are refused unless they are asked for."""
+    decoder = Decoder(buffers, functions=functions)
     value = decoder.decode(tree)
     if decoder.unused:
         raise WireError(f"{len(decoder.unused)} buffers that no array uses")
@@ -46,7 +47,8 @@ def decode(tree: object, buffers: list[memoryview]) -> Any:
 class Decoder:
     """Builds one value. Each buffer is used once, so that a short frame cannot stand for a long value."""
 
-    def __init__(self, buffers: list[memoryview]) -> None:
+    def __init__(self, buffers: list[memoryview], *, functions: bool = False) -> None:
+        self.functions = functions
         self.buffers = buffers
         self.unused = set(range(len(buffers)))
         self.items = 0
@@ -181,6 +183,16 @@ class Decoder:
         except GeometryError as error:
             raise WireError(f"a mesh that is broken: {error}") from None
 
+    def _function(self, body: list[Any], depth: int) -> Any:
+        """A function of the geometry layer, by its name and parameters: it goes there, and never comes back."""
+        kind = FUNCTIONS.get(body[0]) if self.functions and body and isinstance(body[0], str) else None
+        if kind is None:
+            raise WireError("a function where only values may come")
+        try:
+            return kind(*self._sequence(body[1:], depth))
+        except (GeometryError, TypeError) as error:  # TypeError: too many parameters, or too few
+            raise WireError(f"a function that is broken: {error}") from None
+
     def _integer(self, body: list[Any], depth: int) -> int:
         """A whole number beyond 64 bits."""
         (text,) = _fields(body, 1)
@@ -221,7 +233,8 @@ _BUILDERS: dict[str, Callable[[Decoder, list[Any], int], Any]] = {
     "list": Decoder._sequence, "tuple": Decoder._tuple, "set": Decoder._set, "dict": Decoder._dict,
     "array": Decoder._array, "scalar": Decoder._scalar, "objects": Decoder._objects,
     "sparse": Decoder._sparse, "mesh": Decoder._mesh, "int": Decoder._integer,
-    "complex": Decoder._complex, "bytes": Decoder._bytes, "opaque": Decoder._opaque,
+    "function": Decoder._function, "complex": Decoder._complex, "bytes": Decoder._bytes,
+    "opaque": Decoder._opaque,
 }  # fmt: skip
 
 

@@ -39,7 +39,8 @@ def pack(value: object, *, lenient: bool = False) -> bytes:
     ----------
     value : object
         None, bool, int, float, complex, str, bytes; numpy scalars and arrays of numbers; SciPy sparse
-        matrices; lists, tuples, sets, and dicts with str or int keys, of such; HalfedgeMesh.
+        matrices; lists, tuples, sets, and dicts with str or int keys, of such; HalfedgeMesh; and, unless
+        `lenient`, functions of `geometry.functions`.
     lenient : bool
         Whether a value of another kind is sent as its type's name (an `Opaque` on the other side).
 
@@ -59,16 +60,18 @@ def pack(value: object, *, lenient: bool = False) -> bytes:
     return b"".join([HEAD.pack(MAGIC, len(header), total), header, *encoder.buffers])
 
 
-def unpack(frame: bytes) -> Any:
-    """Read the value of one whole frame, or raise WireError."""
+def unpack(frame: bytes, *, functions: bool = False) -> Any:
+    """Read the value of one whole frame, or raise WireError. It may hold `functions` if that is said."""
     header, buffers = lengths(frame[: HEAD.size])
     if len(frame) != HEAD.size + header + buffers:
         raise WireError(f"a frame of {len(frame)} bytes that announces {HEAD.size + header + buffers}")
-    return _parse(memoryview(frame), header)
+    return _parse(memoryview(frame), header, functions)
 
 
-def receive(read: Callable[[int], bytes]) -> Any:
+def receive(read: Callable[[int], bytes], *, functions: bool = False) -> Any:
     """Read one frame by calling ``read(n)``, which returns exactly n bytes, or fewer at the end.
+
+    It may hold `functions` only where that is said.
 
     Raises
     ------
@@ -84,7 +87,7 @@ def receive(read: Callable[[int], bytes]) -> Any:
     body = read(length)
     if len(body) != length:
         raise WireError(f"a frame that ends after {len(body)} of {length} bytes")
-    return unpack(head + body)
+    return unpack(head + body, functions=functions)
 
 
 def lengths(head: bytes) -> tuple[int, int]:
@@ -105,7 +108,7 @@ def weight(head: bytes) -> int:
     return _OBJECTS * header + buffers
 
 
-def _parse(frame: memoryview, header: int) -> Any:
+def _parse(frame: memoryview, header: int, functions: bool) -> Any:
     start = HEAD.size + header
     try:
         content = json.loads(bytes(frame[HEAD.size : start]))
@@ -122,4 +125,4 @@ def _parse(frame: memoryview, header: int) -> Any:
         start += size
     if start != len(frame):
         raise WireError(f"{len(frame) - start} bytes that belong to no buffer")
-    return decode(tree, buffers)
+    return decode(tree, buffers, functions=functions)

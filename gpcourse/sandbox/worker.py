@@ -166,7 +166,7 @@ def serve(read: Callable[[int], bytes], write: Callable[[bytes], Any]) -> None:
     notebook = Notebook()
     while True:
         try:
-            request = wire.receive(read)
+            request = wire.receive(read, functions=True)
         except EOFError:
             return
         number = request.pop("number")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from gpcourse.errors import WireError
+from gpcourse.geometry import functions
 from gpcourse.geometry.halfedge_mesh import HalfedgeMesh
 from gpcourse.sandbox import home
 from gpcourse.sandbox.confine import Limits
@@ -358,3 +359,18 @@ def test_what_a_folder_holds_is_not_trusted(tmp_path):
     (folder / "a" / "b").chmod(0)
     remove(folder)
     assert [p.name for p in tmp_path.iterdir()] == ["theirs"]
+
+
+def test_a_function_of_space_is_called_where_the_student_is(worker):
+    w = worker(
+        "import numpy as np\n"
+        "def slope(F, points, h):\n"
+        "    differences = [F(points + h * e) - F(points - h * e) for e in np.eye(3)]\n"
+        "    return np.stack(differences, axis=-1) / (2 * h)\n"
+        "def keep(F): return F\n"
+    )
+    points = np.linspace(-1, 1, 12).reshape(4, 3)
+    answer = ask(w, "slope", functions.sphere([0, 0, 1], 2.0), points, 1e-3)
+    assert answer.value == pytest.approx(2 * (points - [0, 0, 1]))  # exact: the polynomial is quadratic
+    assert answer.changed == ()
+    assert type(ask(w, "keep", functions.helix(1.0, 1.0)).value).__name__ == "TrigonometricCurve"

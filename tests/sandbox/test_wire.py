@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scipy import sparse
 
 from gpcourse.errors import WireError
+from gpcourse.geometry import functions
 from gpcourse.geometry.halfedge_mesh import HalfedgeMesh
 from gpcourse.sandbox import wire
 from gpcourse.sandbox.encoding import DTYPES
@@ -91,8 +92,8 @@ trees = st.recursive(
     lambda inner: st.lists(inner, max_size=5)
     | st.tuples(
         st.sampled_from(
-            ["list", "tuple", "set", "dict", "array", "scalar", "objects", "sparse", "mesh", "int",
-             "complex", "bytes", "opaque"]
+            ["list", "tuple", "set", "dict", "function", "array", "scalar", "objects", "sparse", "mesh",
+             "int", "complex", "bytes", "opaque"]
         ),
         st.lists(inner, max_size=4),
     ).map(lambda pair: [pair[0], *pair[1]]),
@@ -311,3 +312,32 @@ def test_what_is_too_large_is_refused_before_it_is_written(value, word):
 
 def test_a_lone_surrogate_becomes_a_question_mark():
     assert there_and_back("a\ud800b") == "a?b"
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        functions.sphere([1, 2, 3], 2.0), functions.Waves([1.0, 2.0], np.eye(3)[:2], [0.1, 0.2], 3.0),
+        functions.sampled(lambda x: x[..., 0] ** 2, [0, 0, 0], [1, 1, 2], 4), functions.helix(2.0, 0.3),
+    ],
+)  # fmt: skip
+def test_a_function_goes_to_a_student_by_its_parameters_and_never_comes_back(function):
+    sent = wire.pack((function, 1))
+    back = wire.unpack(sent, functions=True)[0]
+    assert same(back, function)
+    where = np.linspace(0, 1, 12).reshape(4, 3)
+    assert np.array_equal(back(where), function(where))
+    with pytest.raises(WireError, match="only values"):
+        wire.unpack(sent)
+    assert type(there_and_back(function, lenient=True)).__name__ == type(function).__name__
+    assert not callable(there_and_back(function, lenient=True))
+
+
+@pytest.mark.parametrize(
+    "tree",
+    [["function"], ["function", "system"], ["function", "Quadric"], ["function", "Quadric", 1, 2, 3],
+     ["function", "Quadric", *[None] * 9], ["function", ["Quadric"]]],
+)  # fmt: skip
+def test_a_function_that_is_none_of_ours_is_refused(tree):
+    with pytest.raises(WireError, match="function"):
+        wire.unpack(frame_of(tree), functions=True)

@@ -166,7 +166,7 @@ def helix(radius: float, climb: float) -> TrigonometricCurve:
 
 
 def sampled(function: Callable[[FloatArray], FloatArray], low: object, high: object, n: int) -> Sampled:
-    """Tabulate a function of points (..., 3) on a grid of cubes from `low` to `high`, n on the longest side."""
+    """Tabulate a function of points (..., 3) on cubes from `low` to `high`, n of them on the longest side."""
     low, high = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
     spacing = float((high - low).max()) / n
     counts = np.ceil((high - low) / spacing - 1e-9).astype(int) + 1

@@ -184,7 +184,7 @@ class Decoder:
             raise WireError(f"a mesh that is broken: {error}") from None
 
     def _function(self, body: list[Any], depth: int) -> Any:
-        """A function of the geometry layer, by its name and parameters: it goes there, and never comes back."""
+        """A function of the geometry layer, by its name and parameters: it goes there, never comes back."""
         kind = FUNCTIONS.get(body[0]) if self.functions and body and isinstance(body[0], str) else None
         if kind is None:
             raise WireError("a function where only values may come")

@@ -25,7 +25,7 @@ from gpcourse.reference.registration import (
     trim_pairs,
     uniform_sampling,
 )
-from gpcourse.reference.registration.nearest import morton_order
+from gpcourse.reference.registration.nearest import follower, matcher, morton_order
 from gpcourse.reference.registration.normals import smallest_eigenvector
 
 SEEDS = range(5)
@@ -189,6 +189,40 @@ def test_the_tree_looks_at_few_points(scale):
 def test_coinciding_points_do_not_hang_the_tree():
     distances, _, _ = nearest_neighbours(np.ones((100, 3)), np.zeros((2, 3)), 1)
     assert distances == pytest.approx(np.sqrt(3))
+
+
+@pytest.mark.parametrize("kind", ["box", "spot", "one point"])
+def test_following_moving_queries_finds_what_a_search_for_all_of_them_finds(kind):
+    rng = np.random.default_rng(3)
+    points, queries = rng.random((300, 3)), rng.random((80, 3))
+    points = {"box": points, "spot": points.round(1), "one point": points[:1]}[kind]
+    follow, search = follower(points, len(queries)), matcher(points)
+    for step in (0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 0.0, 0.2):
+        queries = queries + step * rng.normal(size=queries.shape)
+        distances, indices = follow(queries)
+        assert distances == pytest.approx(search(queries)[0], abs=1e-15)
+        assert np.linalg.norm(points[indices] - queries, axis=1) == pytest.approx(distances, abs=1e-15)
+
+
+def test_queries_that_hardly_move_are_not_searched_for_again(monkeypatch):
+    from scipy.spatial import cKDTree
+
+    searched = []
+
+    class Counted(cKDTree):
+        def query(self, x, **options):
+            searched.append(len(x))
+            return super().query(x, **options)
+
+    monkeypatch.setattr("scipy.spatial.cKDTree", Counted)
+    rng = np.random.default_rng(0)
+    points, queries = rng.random((1000, 3)), rng.random((200, 3))
+    match = follower(points, 200)
+    for shift in (0.0, 1e-4, 1.0):
+        match(queries + shift)
+    # The gap between two nearest of 1000 points is about 0.02 on average.
+    assert searched[0] == searched[-1] == 200
+    assert sum(searched[1:-1]) < 20
 
 
 def test_pairs_are_rejected_by_distance_and_by_angle():

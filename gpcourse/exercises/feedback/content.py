@@ -129,7 +129,7 @@ def _problem(verdict: Verdict, result: CheckResult, answers: bool) -> Problem:
     facts, legend = _facts(verdict, result, answers)
     message = _HAPPENED.get(result.outcome, "").format(limit=exercise.time_limit)
     if wrong is not None:
-        message = sentence(clean(wrong.message))
+        message = sentence(clean(wrong.told if answers else wrong.message))
     elif result.outcome == "error" and trouble is not None:
         text = clean(trouble.message, 300)
         message = f"Your code stopped with {trouble.types[0]}" + (f": {text}" if text else ".")

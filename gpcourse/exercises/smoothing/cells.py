@@ -442,7 +442,8 @@ def _(f: Asked, rng: Rng) -> None:
     for_all = [(closed(rng), "a closed mesh"), (bounded(rng), "a mesh with holes")]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _ in for_all]
     for value, (shape, on) in zip(answers, for_all, strict=True):
-        expecting.matrix(value, np.diag(truths.mixed_areas(shape.vertices, faces_of(shape))), on=on)
+        place = shape.vertices, faces_of(shape)
+        expecting.matrix(value, np.diag(truths.mixed_areas(*place)), *place, on=on)
 
 
 @MASS_MATRIX.check("1ᵀM1 is the area of the surface")

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
-from gpcourse.exercises.smoothing import expecting, pictures, truths
+from gpcourse.exercises.smoothing import expecting, truths
 from gpcourse.exercises.smoothing.inputs import (
     ITERATED,
     SINGLE,
@@ -311,8 +311,9 @@ def _(f: Asked, rng: Rng) -> None:
         residual = (M @ (mine - shape.vertices) - lam * (C @ mine)) / areas.mean()
         size = (float(areas.max()) + lam * float(abs(C).max())) / areas.mean()
         size *= max(float(np.abs(shape.vertices).max()), float(np.abs(mine).max()))
-        picture = pictures.of_residual(shape.vertices, faces_of(shape), residual, "residual")
-        expect.close(residual, 0.0, ITERATED * size, "(M − λC)P′ − MP", on=on, picture=picture)
+        what = "(M − λC)P′ − MP"
+        shown = pictures.Field(mine, faces_of(shape), f"|{what}|")
+        expect.close(residual, 0.0, ITERATED * size, what, on=on, shown=shown)
 
 
 @IMPLICIT_STEP.check("the centre of a closed surface stays, however far from the origin")
@@ -324,7 +325,7 @@ def _(f: Asked, rng: Rng) -> None:
     on = "a closed mesh far from the origin"
     mine = expect.array(value, shape.vertices.shape, "The array of positions", on=on)
     before, after = (areas @ x / areas.sum() for x in (shape.vertices, mine))
-    picture = pictures.of_positions(shape.vertices, mine, shape.vertices, faces_of(shape))
+    picture = pictures.of_before_and_after(shape.vertices, mine, faces_of(shape))
     size = 10 * max(float(np.abs(shape.vertices).max()), float(np.abs(mine).max()))
     expect.close(after, before, ITERATED * size, "The centre of the surface", on=on, picture=picture)
 

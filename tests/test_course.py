@@ -28,6 +28,14 @@ SOLUTIONS = [
         *((v.name, v.function) for v in exercise.variants),
     ]
 ]
+
+
+def options(exercise):
+    """Return the parameters that may be left out, with their defaults."""
+    parameters = exercise.signature.parameters.values()
+    return {p.name: p.default for p in parameters if p.default is not p.empty}
+
+
 JUNK = [None, -1.5, "text", [], {}, slice(3), float("nan"), [[None]], {1, 2}]
 MISTAKES = [pytest.param(e, m, id=f"{e.name}-{m.name}") for e in EXERCISES for m in e.mistakes]
 
@@ -38,6 +46,12 @@ def explain(verdict):
         for r in verdict.results
         if r.outcome != "passed"
     ]
+
+
+def messages(verdict):
+    """Return the texts of all exceptions that a function raised."""
+    troubles = [q.answer.trouble for r in verdict.results for q in r.questions]
+    return [trouble.message for trouble in troubles if trouble is not None]
 
 
 @pytest.mark.parametrize(("exercise", "function"), SOLUTIONS)
@@ -54,12 +68,13 @@ def test_every_mistake_fails_and_is_named_on_every_seed(exercise, mistake):
         verdict = judge(exercise, ask_here(mistake.function), seed)
         assert verdict.outcome in ("failed", "error", "timeout"), (seed, verdict.outcome, explain(verdict))
         assert [m.name for m in verdict.mistakes] == [mistake.name], (seed, explain(verdict))
+        assert not any("keyword argument" in said for said in messages(verdict)), (seed, explain(verdict))
         assert verdict.points < exercise.points
 
 
 @pytest.mark.parametrize("exercise", EXERCISES, ids=lambda e: e.name)
 def test_a_stub_is_not_attempted(exercise):
-    def stub(*arguments):
+    def stub(*arguments, **options):
         raise NotImplementedError
 
     stub.__name__ = exercise.name
@@ -71,7 +86,7 @@ def test_a_stub_is_not_attempted(exercise):
 @pytest.mark.parametrize("junk", JUNK)
 @pytest.mark.parametrize("exercise", EXERCISES, ids=lambda e: e.name)
 def test_no_answer_makes_a_check_fail_on_our_side(exercise, junk):
-    verdict = judge(exercise, ask_here(lambda *arguments: junk), 0)
+    verdict = judge(exercise, ask_here(lambda *arguments, **options: junk), 0)
     faults = [r.fault for r in verdict.results if r.outcome == "grader fault"]
     assert not faults, faults[0]
     assert verdict.points < exercise.points
@@ -91,15 +106,25 @@ def test_an_exercise_is_declared_in_full(exercise):
         assert not mistake.name.endswith(".")
 
 
+@pytest.mark.parametrize("exercise", [e for e in EXERCISES if options(e)], ids=lambda e: e.name)
+def test_every_option_is_asked_by_a_check(exercise):
+    verdict = judge(exercise, ask_here(exercise.reference), 0)
+    asked = set()
+    for question in (q for r in verdict.results for q in r.questions):
+        given = exercise.signature.bind(*question.arguments, **question.options).arguments
+        asked |= {name for name, value in options(exercise).items() if given.get(name, value) is not value}
+    assert asked == set(options(exercise))
+
+
 def test_another_seed_gives_other_inputs_and_the_same_seed_the_same():
     def inputs(exercise, seed):
         asked = []
 
-        def ask(arguments, limit):
+        def ask(arguments, options, limit):
             # A sparse matrix prints no numbers.
             shown = [a.toarray() if hasattr(a, "toarray") else getattr(a, "vertices", a) for a in arguments]
-            asked.append(repr(shown))
-            return ask_here(exercise.reference)(arguments, limit)
+            asked.append(repr((shown, options)))
+            return ask_here(exercise.reference)(arguments, options, limit)
 
         judge(exercise, ask, seed)
         return asked

@@ -298,14 +298,19 @@ def cyclic_equal(a: list[int], b: list[int]) -> bool:
 
 
 def refusal(
-    asked: Asked, *arguments: Any, because: str, naming: Sequence[Sequence[int]] = (), on: str = ""
+    asked: Asked,
+    *arguments: Any,
+    because: str,
+    naming: Sequence[Sequence[int]] = (),
+    on: str = "",
+    **options: Any,
 ) -> None:
     """Expect a ValueError that tells its reader where the fault is.
 
     `because` says in words what is wrong with the input. `naming` lists alternatives: the text must have
     all numbers of one of them.
     """
-    answer = asked.answer(*arguments)
+    answer = asked.answer(*arguments, **options)
     because = because[:1].upper() + because[1:]
     if answer.status == "returned":
         raise Wrong(f"{because}, but nothing was raised. Raise a ValueError that says where.", on=on)

@@ -26,8 +26,8 @@ Outcome = Literal[
     "passed", "failed", "error", "timeout", "crashed", "out of memory", "not attempted", "grader fault"
 ]
 
-#: ``ask(arguments, limit)`` puts one question to the student's function.
-Ask = Callable[[tuple[Any, ...], float], Answer]
+#: ``ask(arguments, options, limit)`` puts one question to the student's function.
+Ask = Callable[[tuple[Any, ...], dict[str, Any], float], Answer]
 
 #: Once a call has run into its time limit, the later ones get this many seconds.
 IMPATIENT = 0.5
@@ -51,9 +51,10 @@ class NoAnswer(Exception):
 
 @dataclass(frozen=True)
 class Question:
-    """One call and what came of it."""
+    """One call, with its arguments by position and its options by name, and what came of it."""
 
     arguments: tuple[Any, ...]
+    options: dict[str, Any]
     answer: Answer
 
 
@@ -71,16 +72,16 @@ class Asked:
     questions: list[Question] = field(default_factory=list)
     about: int = -1
 
-    def __call__(self, *arguments: Any) -> Any:
-        answer = self.answer(*arguments)
+    def __call__(self, *arguments: Any, **options: Any) -> Any:
+        answer = self.answer(*arguments, **options)
         if answer.status != "returned":
             raise NoAnswer(answer)
         return answer.value
 
-    def answer(self, *arguments: Any) -> Answer:
+    def answer(self, *arguments: Any, **options: Any) -> Answer:
         """Ask, and return all that came of it: for checks that expect an exception."""
-        answer = self.ask(arguments, self.limit)
-        self.questions.append(Question(arguments, answer))
+        answer = self.ask(arguments, options, self.limit)
+        self.questions.append(Question(arguments, options, answer))
         if answer.status == "timeout":
             self.limit = min(self.limit, IMPATIENT)
         if answer.status not in ("returned", "raised") or stub(self.exercise, answer):
@@ -166,7 +167,7 @@ def judge(exercise: Exercise, ask: Ask, seed: int) -> Verdict:
 
 def ask_here(function: Callable[..., Any]) -> Ask:
     """Return an `Ask` that calls `function` in this process."""
-    return lambda arguments, limit: call(function, arguments, limit)
+    return lambda arguments, options, limit: call(function, arguments, limit, options=options)
 
 
 def stub(exercise: Exercise, answer: Answer) -> bool:
@@ -208,7 +209,7 @@ def name_mistakes(exercise: Exercise, results: list[CheckResult], seed: int) -> 
     @cache
     def answer(m: int, r: int, q: int) -> Answer:
         question = results[r].questions[q]
-        return call(ours[m], question.arguments, exercise.time_limit, ours=True)
+        return call(ours[m], question.arguments, exercise.time_limit, options=question.options, ours=True)
 
     def alike(a: Answer, b: Answer, r: int, q: int) -> bool:
         return _alike(exercise, results[r].questions[q].arguments, a, b)
@@ -231,10 +232,12 @@ def name_mistakes(exercise: Exercise, results: list[CheckResult], seed: int) -> 
     def spoils(m: int, r: int) -> bool:
         if agrees(m, r):
             return False
+
         # Two right answers may differ, as those for points on a line: the check decides.
-        asked = Asked(
-            exercise, lambda arguments, limit: call(ours[m], arguments, limit, ours=True), exercise.time_limit
-        )
+        def ask(arguments: tuple[Any, ...], options: dict[str, Any], limit: float) -> Answer:
+            return call(ours[m], arguments, limit, options=options, ours=True)
+
+        asked = Asked(exercise, ask, exercise.time_limit)
         return _run(results[r].check, asked, seed).outcome != "passed"
 
     passed = [r for r, result in enumerate(results) if result.outcome == "passed"]

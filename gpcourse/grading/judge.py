@@ -6,6 +6,7 @@ import difflib
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
+from functools import partial
 
 from gpcourse.errors import WorkerError
 from gpcourse.exercises.exercise import Exercise
@@ -132,7 +133,7 @@ class _Room:
             if ready.status == "missing":
                 return Judged(Verdict(exercise, "not attempted"), self._near(name), missing=True)
             self.failures.update(dict.fromkeys(f"{_where(t)}: {_what(t)}" for t in ready.notes))
-        verdict = judge(exercise, lambda arguments, limit: self.worker.ask(name, arguments, limit), seed)
+        verdict = judge(exercise, partial(self.worker.ask, name), seed)
         answers = (question.answer for result in verdict.results for question in result.questions)
         crash = next((a.trouble for a in answers if a.status == "crashed" and a.trouble), None)
         return Judged(verdict, () if crash is None else (crash.message,))

@@ -10,7 +10,7 @@ from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from typing import Any, TextIO
 
 from gpcourse.exercises.feedback import as_html, as_text
-from gpcourse.exercises.judging import Verdict, ask_here, judge
+from gpcourse.exercises.judging import Question, Verdict, ask_here, judge
 from gpcourse.notebook.asked import Interrupted, Misuse, exercise_of, name_of
 from gpcourse.notebook.fingerprint import fingerprint
 from gpcourse.notebook.store import Record, store
@@ -29,9 +29,9 @@ class Panel:
     ----------
     verdict : Verdict
         The outcome, check by check.
-    arguments : tuple
-        What the function was called with where the first check went wrong: ``f(*check(f).arguments)``
-        runs that call again. Empty if all checks pass.
+    arguments, options : tuple, dict
+        What the function was called with where the first check went wrong, by position and by name:
+        ``f(*panel.arguments, **panel.options)`` runs that call again. Empty if all checks pass.
     """
 
     def __init__(self, verdict: Verdict) -> None:
@@ -39,10 +39,16 @@ class Panel:
 
     @property
     def arguments(self) -> tuple[Any, ...]:
+        return () if self._question is None else copy.deepcopy(self._question.arguments)
+
+    @property
+    def options(self) -> dict[str, Any]:
+        return {} if self._question is None else copy.deepcopy(self._question.options)
+
+    @property
+    def _question(self) -> Question | None:
         problem = self.verdict.first_problem
-        if problem is None or problem.question is None:
-            return ()
-        return copy.deepcopy(problem.question.arguments)
+        return None if problem is None else problem.question
 
     def _repr_html_(self) -> str:
         return as_html(self.verdict, rerun=True)

@@ -10,7 +10,7 @@ import sys
 import sysconfig
 import time
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -68,21 +68,23 @@ def call(
     limit: float,
     wall: float | None = None,
     *,
+    options: Mapping[str, Any] | None = None,
     ours: bool = False,
 ) -> Answer:
-    """Call `function` on copies of `arguments`, for at most `limit` seconds (see `deadline`).
+    """Call `function` on copies of `arguments` and `options`, for at most `limit` seconds (see `deadline`).
 
     Whatever the function does, short of ending the process, becomes an `Answer`; only the
     user's own KeyboardInterrupt passes through. A function of `ours` leaves its arguments alone,
     which saves copying and comparing them.
     """
-    given = tuple(arguments) if ours else copy.deepcopy(tuple(arguments))
+    asked = tuple(arguments), dict(options or {})
+    given, named = asked if ours else copy.deepcopy(asked)
     status: Status = "returned"
     value, trouble = None, None
     start = time.perf_counter()
     try:
         with deadline(limit, wall):
-            value = function(*given)
+            value = function(*given, **named)
     except KeyboardInterrupt:
         raise
     except TimeLimit as error:
@@ -92,7 +94,7 @@ def call(
     except BaseException as error:  # noqa: BLE001  # a student may raise anything, SystemExit included
         status, trouble = "raised", describe(error)
     seconds = time.perf_counter() - start
-    changed = () if ours or status == "timeout" else _changed(function, arguments, given)
+    changed = () if ours or status == "timeout" else _changed(function, asked, (given, named))
     return Answer(status, value, trouble, changed, seconds)
 
 
@@ -140,12 +142,16 @@ def _is_library(filename: str) -> bool:
     return any(filename.startswith(f"{home}/") or filename.startswith(f"{home}\\") for home in homes)
 
 
-def _changed(function: Callable[..., Any], before: Sequence[Any], after: Sequence[Any]) -> tuple[str, ...]:
+_Given = tuple[tuple[Any, ...], dict[str, Any]]
+
+
+def _changed(function: Callable[..., Any], before: _Given, after: _Given) -> tuple[str, ...]:
     names: list[str] = []
     with contextlib.suppress(TypeError, ValueError):  # a builtin, or a callable that hides its signature
         names = list(inspect.signature(function).parameters)
-    return tuple(
+    by_position = (
         names[i] if i < len(names) else f"argument {i + 1}"
-        for i, (old, new) in enumerate(zip(before, after, strict=True))
+        for i, (old, new) in enumerate(zip(before[0], after[0], strict=True))
         if not same(old, new)
     )
+    return *by_position, *(name for name, old in before[1].items() if not same(old, after[1][name]))

@@ -95,8 +95,8 @@ class Worker:
             self.close()
             return Ready(gone.status, self._trouble(gone))
 
-    def ask(self, name: str, arguments: tuple[Any, ...], limit: float) -> Answer:
-        """Call the function `name` with `arguments` for at most `limit` seconds of processor time.
+    def ask(self, name: str, arguments: tuple[Any, ...], options: dict[str, Any], limit: float) -> Answer:
+        """Call ``name(*arguments, **options)`` for at most `limit` seconds of processor time.
 
         Raises
         ------
@@ -111,7 +111,14 @@ class Worker:
                 return _refusal(name, ready)
             wall = self.limits.wall(limit)
             reply = self._line.request(
-                "call", limit + GRACE, wall + GRACE, name=name, arguments=arguments, limit=limit, wall=wall
+                "call",
+                limit + GRACE,
+                wall + GRACE,
+                name=name,
+                arguments=arguments,
+                options=options,
+                limit=limit,
+                wall=wall,
             )
         except Gone as gone:
             self.close()

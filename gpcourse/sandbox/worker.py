@@ -5,7 +5,7 @@ that were its standard input and output; student code finds nothing but the null
 
 - ``load`` (cells): which functions there are, which of them are stubs, which cells are broken;
 - ``prepare`` (name, limit, wall): run what that function needs, in a namespace of its own;
-- ``call`` (name, arguments, limit, wall): call it.
+- ``call`` (name, arguments, options, limit, wall): call it.
 
 `limit` is in seconds of processor time, `wall` in seconds on the clock.
 """
@@ -95,7 +95,9 @@ class Notebook:
             if name in statement.binds:
                 room.trouble = trouble
 
-    def call(self, name: str, arguments: tuple[Any, ...], limit: float, wall: float) -> Answer:
+    def call(
+        self, name: str, arguments: tuple[Any, ...], options: dict[str, Any], limit: float, wall: float
+    ) -> Answer:
         """Call the function `name`; random generators start from the same state at each call."""
         if name not in self.rooms:
             self.prepare(name, limit, wall)
@@ -106,7 +108,7 @@ class Notebook:
         random.seed(0)
         np.random.seed(0)  # noqa: NPY002  # it is the legacy generator that a student may use unseeded
         try:
-            return call(vars(room.module)[name], arguments, limit, wall)
+            return call(vars(room.module)[name], arguments, limit, wall, options=options)
         except KeyboardInterrupt as error:  # raised by the student's code: no terminal reaches this process
             return Answer("raised", trouble=describe(error))
 

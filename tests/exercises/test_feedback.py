@@ -141,6 +141,28 @@ def test_large_arguments_are_described_and_can_be_had(exercise):
     assert "total(*check(total).arguments)" in Parsed(html).text
 
 
+def test_options_are_written_and_can_be_asked_again():
+    def power(values, *, exponent=1, weights=None):
+        """Sum powers."""
+        return float((np.asarray(values) ** exponent).sum())
+
+    made = Exercise(power, notes="none", hints=[])
+
+    @made.check("squares")
+    def _(f, rng):
+        weights = rng.normal(size=100)
+        expect.close(expect.number(f([1.0, 2.0], exponent=2, weights=weights)), 5.0, 0.0, "The sum")
+
+    verdict = judge(made, ask_here(lambda values, *, exponent=1, weights=None: 3.0), 0)
+    problem = content(verdict).problem
+    assert dict(problem.facts)["call"] == "power([1.0, 2.0], exponent=2, weights=weights)"
+    assert problem.legend == ("weights: an array of shape (100,), float64",)
+    assert problem.again == "panel = check(power); power(*panel.arguments, **panel.options)"
+    assert "**panel.options" in Parsed(as_html(verdict, rerun=True)).text
+    for words in said(made, lambda values, weights=None: 5.0):
+        assert "an option that it does not take" in words
+
+
 def test_an_exception_is_quoted_with_the_students_line_and_a_word_of_advice(exercise):
     def total(values):
         return list(values)[9]

@@ -200,3 +200,49 @@ def test_right_answers_that_differ_do_not_hide_a_mistake():
 
     verdict = judge(made, ask_here(lambda x: -2 * x if x < 10 else 0.0), 0)
     assert [m.name for m in verdict.mistakes] == ["large numbers give nothing"]
+
+
+def scaled(x: float, *, by: float = 2.0) -> float:
+    """Return a multiple of a number."""
+    if by == 0:
+        raise ValueError("by is 0")
+    return by * x
+
+
+@pytest.fixture
+def with_option():
+    made = Exercise(scaled, notes="here", hints=["think"])
+
+    @made.check("twice")
+    def _(f, rng):
+        expect.close(expect.number(f(3.0)), 6.0, 0.0, "The number")
+
+    @made.check("five times")
+    def _(f, rng):
+        expect.close(expect.number(f(3.0, by=5.0)), 15.0, 0.0, "The number")
+
+    @made.check("refuses zero")
+    def _(f, rng):
+        expect.refusal(f, 3.0, by=0.0, because="by is 0", naming=[[0]])
+
+    @made.mistake("`by` is not used", hint="What does the call say?")
+    def _(x, *, by=2.0):
+        return scaled(x)
+
+    return made
+
+
+def test_options_are_asked_by_name(with_option):
+    assert judge(with_option, ask_here(scaled), 0).outcome == "passed"
+    assert judge(with_option, ask_here(lambda x, by=2.0: scaled(x, by=by)), 0).outcome == "passed"
+    verdict = judge(with_option, ask_here(lambda x, *, by=2.0: 2 * x), 0)
+    assert [r.outcome for r in verdict.results] == ["passed", "failed", "failed"]
+    assert [m.name for m in verdict.mistakes] == ["`by` is not used"]
+    assert verdict.first_problem.question.options == {"by": 5.0}
+
+
+def test_a_function_without_the_option_is_an_error_that_has_no_name(with_option):
+    verdict = judge(with_option, ask_here(lambda x: 2 * x), 0)
+    assert [r.outcome for r in verdict.results] == ["passed", "error", "failed"]
+    assert verdict.mistakes == ()
+    assert "keyword argument 'by'" in verdict.first_problem.trouble.message

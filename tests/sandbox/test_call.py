@@ -128,6 +128,18 @@ def test_inputs_are_copied_and_changes_named():
     assert numbers == [1, 2, 3]
 
 
+def test_options_go_by_name_and_are_copied_too():
+    numbers = [1, 2, 3]
+
+    def meddling(x, *, order, reverse=False):
+        order.sort(reverse=reverse)
+        return order
+
+    answer = call(meddling, (0,), 1, options={"order": numbers, "reverse": True})
+    assert (answer.value, answer.changed) == ([3, 2, 1], ("order",))
+    assert numbers == [1, 2, 3]
+
+
 def test_sameness_is_of_structure_and_numbers():
     assert same([1, 2], (1.0, 2.0))
     assert same({"a": np.eye(2)}, {"a": [[1, 0], [0, 1]]})

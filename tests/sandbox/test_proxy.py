@@ -34,8 +34,8 @@ def worker(package):
         each.close()
 
 
-def ask(worker, name, *arguments, limit=1.0):
-    return worker.ask(name, arguments, limit)
+def ask(worker, name, *arguments, limit=1.0, **options):
+    return worker.ask(name, arguments, options, limit)
 
 
 def test_arrays_and_meshes_go_there_and_back(worker):
@@ -62,6 +62,14 @@ def test_prints_warnings_and_input_disturb_nothing(worker):
 
 def test_changed_inputs_are_named(worker):
     assert ask(worker("def f(x, y):\n    y.sort()"), "f", [1], [2, 1]).changed == ("y",)
+
+
+def test_options_go_by_name(worker):
+    w = worker("def f(x, *, weights, solver='cg'):\n    weights *= x\n    return weights, solver")
+    answer = ask(w, "f", 2.0, weights=np.array([1.0, 3.0]), solver="cholesky")
+    weights, solver = answer.value
+    assert (weights.tolist(), solver, answer.changed) == ([2, 6], "cholesky", ("weights",))
+    assert "'weight'" in ask(w, "f", 2.0, weights=1.0, weight=1.0).trouble.message
 
 
 def test_an_exception_comes_with_the_line_of_the_student(worker):

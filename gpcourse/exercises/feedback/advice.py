@@ -26,6 +26,11 @@ _ADVICE = (
     ("TypeError", "NoneType", _NONE),
     ("AttributeError", "NoneType", _NONE),
     ("AttributeError", "", "This object has no such attribute. What is its type at that point?"),
+    (
+        "TypeError",
+        "unexpected keyword argument",
+        "The function was called with an option that it does not take. Which ones has the stub?",
+    ),
     ("TypeError", "positional argument", "The number of arguments is not what the function takes."),
     (
         "TypeError",

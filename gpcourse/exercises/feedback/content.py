@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from gpcourse.exercises.feedback.advice import advice
 from gpcourse.exercises.feedback.words import clean, sentence, written_call
-from gpcourse.exercises.judging import CheckResult, Outcome, Verdict
+from gpcourse.exercises.judging import CheckResult, Outcome, Question, Verdict
 from gpcourse.sandbox.call import Trouble
 
 if TYPE_CHECKING:
@@ -53,13 +53,15 @@ class Problem:
     """The first check that did not pass, explained.
 
     `facts` are pairs of a label and a value in code; `legend` describes the arguments of the call
-    that are too large to be written; `where` and `source` are the student's own line.
+    that are too large to be written; `again` runs the call again in a notebook; `where` and `source` are
+    the student's own line.
     """
 
     claim: str
     message: str
     facts: tuple[tuple[str, str], ...] = ()
     legend: tuple[str, ...] = ()
+    again: str = ""
     where: str = ""
     source: str = ""
     advice: str = ""
@@ -139,6 +141,7 @@ def _problem(verdict: Verdict, result: CheckResult, answers: bool) -> Problem:
         message=message,
         facts=facts,
         legend=legend,
+        again=_again(exercise.name, result.question) if legend else "",
         where=_where(trouble),
         source=clean(trouble.source, 160) if trouble else "",
         advice=advice(exercise, trouble) if trouble and result.outcome == "error" and not known else "",
@@ -161,9 +164,17 @@ def _facts(
         facts = [(label, clean(value, 400)) for label, value in facts if value]
     if result.question is not None:
         parameters = list(verdict.exercise.signature.parameters)
-        call, legend = written_call(verdict.exercise.name, parameters, result.question.arguments)
+        question = result.question
+        call, legend = written_call(verdict.exercise.name, parameters, question.arguments, question.options)
         facts.append(("call", clean(call, 600)))
     return tuple(facts), tuple(clean(line, 200) for line in legend)
+
+
+def _again(name: str, question: Question | None) -> str:
+    """Write a call of the function with what it was asked in its first failing check."""
+    if question is not None and question.options:
+        return f"panel = check({name}); {name}(*panel.arguments, **panel.options)"
+    return f"{name}(*check({name}).arguments)"
 
 
 def _where(trouble: Trouble | None) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,16 +35,22 @@ def sentence(text: str) -> str:
     return text[:1].upper() + text[1:] + ("" if not text or text[-1] in ".?!…:`" else ".")
 
 
-def written_call(name: str, parameters: Sequence[str], arguments: Sequence[Any]) -> tuple[str, list[str]]:
+def written_call(
+    name: str, parameters: Sequence[str], arguments: Sequence[Any], options: Mapping[str, Any] | None = None
+) -> tuple[str, list[str]]:
     """Write a call, and describe in words each argument that is too large to be written out."""
     parts, legend = [], []
-    for i, argument in enumerate(arguments):
+    by_position = [
+        (parameters[i] if i < len(parameters) else f"argument_{i + 1}", "", argument)
+        for i, argument in enumerate(arguments)
+    ]
+    by_name = [(option, f"{option}=", value) for option, value in (options or {}).items()]
+    for parameter, before, argument in by_position + by_name:
         code = _code(argument)
         if code is None:
-            parameter = parameters[i] if i < len(parameters) else f"argument_{i + 1}"
             legend.append(f"{parameter}: {_described(argument)}")
             code = parameter
-        parts.append(code)
+        parts.append(before + code)
     return f"{name}({', '.join(parts)})", legend
 
 

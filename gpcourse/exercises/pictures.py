@@ -102,20 +102,17 @@ class Field:
 
 @dataclass(frozen=True, eq=False)
 class Positions:
-    """The vertices of a mesh, or the points of a cloud (no faces), in new places."""
+    """The vertices of a mesh, or the points of a cloud (no faces), moved, or in places of their own."""
 
-    before: FloatArray
+    before: FloatArray | None
     faces: IntArray | None
     item: str = "vertex"
 
     def scene(self, yours: FloatArray, truth: FloatArray, worst: tuple[int, ...], answers: bool) -> Scene:
         i = worst[0]
         if not answers:
-            first, second = (
-                self._panel(self.before, "before"),
-                self._panel(yours, f"yours, worst at {self.item} {i}"),
-            )
-            return side_by_side([marked(first, self.before[i]), marked(second, yours[i])])
+            stages = [("before", self.before), (f"yours, worst at {self.item} {i}", yours)]
+            return side_by_side([marked(self._panel(x, title), x[i]) for title, x in stages if x is not None])
         off = lengths(yours - truth, signed=False)
         settings: dict[str, Any] = {"value_name": "distance", "direction": self._towards(truth, i)}
         title = f"distance, worst at {self.item} {i}"
@@ -212,7 +209,8 @@ class Table:
         middles = np.column_stack([column + 0.5, -row - 0.5, 0 * row])
         texts = tuple(f"{x:.2g}".replace("-", "−") for x in matrix.ravel())
         at = worst if len(worst) == 2 else (0, worst[0])
-        colours = tuple(WRONG if (int(r), int(c)) == at else "black" for r, c in zip(row, column, strict=True))
+        cells = zip(row.tolist(), column.tolist(), strict=True)
+        colours = tuple(WRONG if cell == at else "black" for cell in cells)
         layers: list[Layer] = [*squares.layers]
         layers += [Labels(middles, texts, colours, size=8.0)] if m * n <= 64 else []
         return Panel(tuple(layers), title, Camera((0, 0, 1), (0, 1, 0)))
@@ -346,10 +344,10 @@ def lengths(values: FloatArray, *, signed: bool = True) -> FloatArray:
 
 
 def marked(scene: Scene, place: FloatArray) -> Scene:
-    """Put a red dot on the worst place, seen through whatever is before it."""
+    """Put a red dot with a white rim on the worst place, seen through whatever is before it."""
     panel = scene.panels[0]
-    dot = Points(place[None], (WRONG,), size=6.0, hidden="show")
-    return replace(scene, panels=(replace(panel, layers=(*panel.layers, dot)),))
+    rim, dot = (Points(place[None], (c,), size=s, hidden="show") for c, s in (("white", 9.0), (WRONG, 6.5)))
+    return replace(scene, panels=(replace(panel, layers=(*panel.layers, rim, dot)),))
 
 
 def normal_at(vertices: FloatArray, faces: IntArray, place: FloatArray) -> FloatArray | None:

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import re
 from base64 import b64encode
+from collections.abc import Callable
 from functools import cache
 from html import escape
 from io import BytesIO
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gpcourse.exercises.feedback.content import Problem, content
 from gpcourse.exercises.judging import Outcome, Verdict
+
+if TYPE_CHECKING:
+    from gpcourse.view.scene import Scene
 
 #: Red, green and blue of what frames a panel. They tint, so that they sit well on white and on black.
 _TINTS: dict[Outcome, str] = {
@@ -37,9 +41,9 @@ def as_html(verdict: Verdict, *, picture: bool = True, rerun: bool = False, answ
         Whether to say and draw what is true; false on pages that are handed out.
     """
     said = content(verdict, answers=answers)
-    drawn = _drawn(said.problem) if picture and said.problem else ""
+    image = _drawn(said.problem) if picture and said.problem else ""
     return template("panel.html").render(  # type: ignore[no-any-return]
-        said=said, picture=drawn, rerun=rerun, tint=tint(said.outcome), tint_of=tint
+        said=said, picture=image, rerun=rerun, tint=tint(said.outcome), tint_of=tint
     )
 
 
@@ -49,15 +53,20 @@ def tint(outcome: Outcome) -> str:
 
 
 def _drawn(problem: Problem) -> str:
-    if problem.picture is None:
-        return ""
-    from gpcourse.view.picture import Picture
-
     try:
-        picture = Picture(problem.picture(), dpi=PICTURE_DPI)
-        return _image(_with_palette(picture.png()), picture.scene.alt)
+        return "" if problem.picture is None else drawn(problem.picture)
     except Exception:  # noqa: BLE001  # the scene is made from a student's values: no picture is better than no panel
         return ""
+
+
+def drawn(draw: Callable[[], Scene]) -> str:
+    """Return the picture of a scene as an ``<img>`` element."""
+    from gpcourse.view.picture import Picture
+
+    picture = Picture(draw(), dpi=PICTURE_DPI)
+    data = b64encode(_with_palette(picture.png())).decode("ascii")
+    alt = escape(picture.scene.alt, quote=True)
+    return f'<img alt="{alt}" src="data:image/png;base64,{data}" style="max-width:100%">'
 
 
 def _with_palette(png: bytes) -> bytes:
@@ -67,11 +76,6 @@ def _with_palette(png: bytes) -> bytes:
     with Image.open(BytesIO(png)) as image:
         image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(file, "PNG", optimize=True)
     return file.getvalue()
-
-
-def _image(png: bytes, alt: str) -> str:
-    data = b64encode(png).decode("ascii")
-    return f'<img alt="{escape(alt, quote=True)}" src="data:image/png;base64,{data}" style="max-width:100%">'
 
 
 @cache

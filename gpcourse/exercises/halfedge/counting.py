@@ -67,7 +67,7 @@ def _expect_dual(f: Asked, mesh: HalfedgeMesh, faces: FaceLists, on: str) -> tup
     centroids = np.array([positions(mesh)[face].mean(axis=0) for face in faces])
     size = float(np.abs(positions(mesh)).max())
     # A mean is rounded by about 1e-16 of the largest coordinate; 1e-6 also admits float32.
-    what, shown = "The vertices of the dual, which are centroids", Positions(centroids, None)
+    what, shown = "The vertices of the dual, which are centroids", Positions(None, None)
     expect.close(vertices, centroids, 1e-6 * size, what, on=on, shown=shown)
     for v, face in enumerate(mine):
         want = [i for i, corners in enumerate(faces) if v in corners]

@@ -341,7 +341,6 @@ def _(f: Asked, rng: Rng) -> None:
             yours=", ".join(f"{name} {count}" for name, count in zip(names, counts, strict=True)),
             truth="about 48 each",
             on=on,
-            picture=pictures.of_sample(normals, chosen, "the normals, those of your samples in red"),
         )
 
 

@@ -453,8 +453,9 @@ def _(f: Asked, rng: Rng) -> None:
     answers = [f(shape.vertices, faces_of(shape), cells=name) for name in names]
     for i, (value, name) in enumerate(zip(answers, names, strict=True)):
         f.about = i
-        truth = np.diag(truths.CELLS[name](shape.vertices, faces_of(shape)))
-        expecting.matrix(value, truth, on=f"a mesh with holes and obtuse angles, cells={name!r}")
+        place = shape.vertices, faces_of(shape)
+        truth = np.diag(truths.CELLS[name](*place))
+        expecting.matrix(value, truth, *place, on=f"a mesh with holes and obtuse angles, cells={name!r}")
 
 
 @MASS_MATRIX.check("refuses cells that there are not")

@@ -345,10 +345,8 @@ def _(f: Asked, rng: Rng) -> None:
         on = f'a mesh with holes, solver="{solver}"'
         mine = expect.array(value, truth.shape, "The array of positions", on=on)
         size = float(np.ptp(shape.vertices, axis=0).max())
-        picture = pictures.of_positions(shape.vertices, mine, truth, faces_of(shape))
-        handout = pictures.of_own_positions(shape.vertices, mine, faces_of(shape))
-        what = "The position of a vertex"
-        expect.close(mine, truth, ITERATED * size, what, on=on, picture=picture, handout=handout)
+        shown = pictures.Positions(shape.vertices, faces_of(shape))
+        expect.close(mine, truth, ITERATED * size, "The positions", on=on, shown=shown)
 
 
 @IMPLICIT_STEP.check("refuses a solver that there is not")
@@ -695,7 +693,7 @@ def _(f: Asked, rng: Rng) -> None:
         on = f"a bumpy sphere, steps={steps}, keep_volume=True"
         mine = expect.array(value, bumpy.shape, "The array of positions", on=on)
         truth = _flow(bumpy, faces, lam, steps, keep=False, volume=True)
-        own = pictures.of_own_positions(bumpy, mine, faces)
+        own = pictures.of_before_and_after(bumpy, mine, faces)
         expect.close(_volume(mine, faces), start, 100 * SOLVED * start, "The volume", on=on, picture=own)
         # Whichever centre it is scaled about: that moves the surface, and by little.
         moved = mine.mean(axis=0) - bumpy.mean(axis=0)

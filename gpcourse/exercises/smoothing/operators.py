@@ -493,8 +493,9 @@ def _(f: Asked, rng: Rng) -> None:
     answers = [f(shape.vertices, faces_of(shape), cells=name) for name in names]
     for i, (value, name) in enumerate(zip(answers, names, strict=True)):
         f.about = i
-        truth = truths.laplacian(shape.vertices, faces_of(shape), name)
-        expecting.matrix(value, truth, on=f"a mesh with holes and obtuse angles, cells={name!r}")
+        place = shape.vertices, faces_of(shape)
+        truth = truths.laplacian(*place, name)
+        expecting.matrix(value, truth, *place, on=f"a mesh with holes and obtuse angles, cells={name!r}")
 
 
 @LAPLACIAN.variant("a dense matrix, its rows divided")

@@ -53,13 +53,13 @@ def forget_openblas_settings() -> None:
         os.environ.pop(name, None)
 
 
-def interleave(tasks: dict[str, Task], repeat: int) -> dict[str, list[tuple[float, float]]]:
-    """Run every task twice to warm up, then `repeat` rounds of all tasks.
+def interleave(tasks: dict[str, Task], repeat: int, warm_up: int = 2) -> dict[str, list[tuple[float, float]]]:
+    """Run every task `warm_up` times, then `repeat` rounds of all tasks.
 
     Returns the times of each task by name: pairs of seconds on the clock and of the processor.
     """
     times: dict[str, list[tuple[float, float]]] = {name: [] for name in tasks}
-    for task in [*tasks.values(), *tasks.values()]:
+    for task in warm_up * list(tasks.values()):
         task()
     for _ in range(repeat):
         for name, task in tasks.items():

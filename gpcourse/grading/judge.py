@@ -62,7 +62,22 @@ class Report:
 def judge_submission(
     submission: Submission, exercises: Sequence[Exercise], seed: int, open_worker: OpenWorker
 ) -> Report:
-    """Judge every exercise on what was handed in. One that breaks costs no other its points."""
+    """Judge every exercise on what was handed in. One that breaks costs no other its points.
+
+    What nobody thought of is our fault: such a submission gets a row that says so, and the others are graded.
+    """
+    try:
+        return _judge_submission(submission, exercises, seed, open_worker)
+    except WorkerError:
+        raise
+    except Exception as error:  # noqa: BLE001  # whatever it is, the run goes on
+        judged = tuple(Judged(Verdict(exercise, "grader fault")) for exercise in exercises)
+        return Report(submission.student, "grader fault", judged, (f"{type(error).__name__}: {error}",))
+
+
+def _judge_submission(
+    submission: Submission, exercises: Sequence[Exercise], seed: int, open_worker: OpenWorker
+) -> Report:
     notes = list(submission.notes)
     rooms: dict[int, _Room] = {}
     names = frozenset(exercise.name for exercise in exercises)

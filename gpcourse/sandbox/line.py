@@ -6,7 +6,6 @@ import contextlib
 import math
 import os
 import selectors
-import shutil
 import signal
 import sys
 import threading
@@ -16,6 +15,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from gpcourse.errors import WireError
+from gpcourse.sandbox import folder as folders
 from gpcourse.sandbox import wire
 from gpcourse.sandbox.call import Status
 from gpcourse.sandbox.lockdown import LEVELS, Confinement
@@ -74,7 +74,8 @@ class Line:
         """Hold a process: what is written to `sink` it reads, what it writes comes from `source`.
 
         `scratch` is its working folder as it sees it, `folder` the same as it is seen from here. What it says
-        of a crash stands in `last_words`, or in a file in its folder.
+        of a crash stands in `last_words`, or in a file in its folder. `received` counts the memory that its
+        frames took, in bytes (see `wire.weight`).
         """
         self.process = process
         self.sink, self.source = sink, source
@@ -83,6 +84,7 @@ class Line:
         self.last_words = last_words
         self.number = 0
         self.closed = False
+        self.received = 0
         self.confinement = Confinement()
 
     def greet(self, seconds: float) -> None:
@@ -105,6 +107,8 @@ class Line:
 
         Raises WireError if the request cannot be sent as a frame: nothing happens to the process then.
         """
+        if self.closed:  # the numbers of its pipes may be another file's by now
+            raise Gone("crashed", "the Python process has ended")
         self.number += 1
         frame = wire.pack({"number": self.number, "do": do, **content})
         try:
@@ -134,8 +138,7 @@ class Line:
         with contextlib.suppress(OSError):
             if self.last_words is not None:
                 return os.pread(self.last_words.fileno(), 4096, 0).decode("ascii", "replace")
-            with (self.folder / CRASH_FILE).open("rb") as file:
-                return file.read(4096).decode("ascii", "replace")
+            return folders.read_start(self.folder / CRASH_FILE, 4096).decode("ascii", "replace")
         return ""
 
     def _until(self, seconds: float, wall: float) -> Until:
@@ -150,6 +153,7 @@ class Line:
             return self._exchange_blocking(frame, until)
         self._send(memoryview(frame), until)
         head = self._read(wire.HEAD.size, until)
+        self.received += wire.weight(head)
         return head + self._read(sum(wire.lengths(head)), until)
 
     def _send(self, rest: memoryview, until: Until) -> None:
@@ -187,6 +191,7 @@ class Line:
             while rest:
                 rest = rest[os.write(self.sink, rest) :]
             head = _read_blocking(self.source, wire.HEAD.size)
+            self.received += wire.weight(head)
             return head + _read_blocking(self.source, sum(wire.lengths(head)))
         except (OSError, EOFError):
             if late.is_set():
@@ -209,7 +214,7 @@ class Line:
             os.close(pipe)
         if self.last_words is not None:
             self.last_words.close()
-        shutil.rmtree(self.scratch, ignore_errors=True)
+        folders.remove(self.scratch)
 
 
 def _ending(code: int | None) -> str:

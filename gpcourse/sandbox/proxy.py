@@ -63,6 +63,7 @@ class Worker:
     start: Callable[[Path, Limits], Line] = launch
     _line: Line | None = None
     _ready: dict[str, Ready] = field(default_factory=dict)
+    _kept: dict[str, int] = field(default_factory=dict)
 
     def __enter__(self) -> Worker:
         return self
@@ -82,6 +83,7 @@ class Worker:
         try:
             reply = self._start()
         except Gone as gone:
+            self.close()
             return Survey(crash=self._trouble(gone))
         return Survey(
             _words(reply.get("names")), _words(reply.get("stubs")), _troubles(reply.get("broken"), self._line)
@@ -110,6 +112,7 @@ class Worker:
             if ready.status != "ready" or self._line is None:
                 return _refusal(name, ready)
             wall = self.limits.wall(limit)
+            before = self._line.received
             reply = self._line.request(
                 "call",
                 limit + GRACE,
@@ -123,12 +126,22 @@ class Worker:
         except Gone as gone:
             self.close()
             return Answer(gone.status, trouble=self._trouble(gone))
+        self._kept[name] = self._kept.get(name, 0) + self._line.received - before
+        if self._kept[name] > self.limits.answers:
+            return _too_much(name, self.limits.answers)
         return answer_from(reply, self._line)
 
     def _start(self) -> dict[Any, Any]:
         self._line = self.start(self.package, self.limits)
         seconds = self.limits.load + GRACE
-        return self._line.request("load", seconds, self.limits.wall(seconds), cells=self.cells)
+        # As bytes: a cell may be longer than a string that can cross.
+        texts = [source.encode("utf-8", "replace") for _, source in self.cells]
+        cells = {
+            "numbers": [n for n, _ in self.cells],
+            "sizes": list(map(len, texts)),
+            "text": b"".join(texts),
+        }
+        return self._line.request("load", seconds, self.limits.wall(seconds), **cells)
 
     def _prepare(self, name: str) -> Ready:
         if self._line is None:
@@ -169,6 +182,12 @@ def answer_from(reply: dict[Any, Any], line: Line | None = None) -> Answer:
         _words(reply.get("changed")),
         seconds if isinstance(seconds, float) and seconds >= 0 else 0.0,
     )
+
+
+def _too_much(name: str, limit: int) -> Answer:
+    """The answer of a function whose answers together would fill the grader's memory."""
+    message = f"the results of {name} are too large: together more than {limit // 2**20} MB"
+    return Answer("raised", trouble=Trouble(("ResultError",), message))
 
 
 def _refusal(name: str, ready: Ready) -> Answer:

@@ -40,13 +40,20 @@ def set_values(layer: Any, count: int) -> None:
 
 
 def as_values(value: object, count: int) -> FloatArray:
+    """Return `count` floats; what is beyond 1e300 counts as infinite, so that differences are finite."""
+    if hasattr(value, "toarray"):
+        raise ArrayError("values is a sparse matrix; give an array, as values.toarray().ravel()")
     try:
-        values = np.asarray(value, dtype=np.float64)
+        numbers = np.asarray(value)
+        values = numbers.astype(np.float64) if numbers.dtype.kind != "c" else None
     except (TypeError, ValueError):
         raise ArrayError("values cannot be read as numbers; give one number per vertex or face") from None
+    if values is None:
+        raise ArrayError("values holds complex numbers; give their real part, or their absolute value")
     if values.shape != (count,):
-        raise ArrayError(f"values has shape {values.shape}; give {count} numbers, one for each")
-    return values
+        flat = ", as values.ravel()" if values.size == count else ""
+        raise ArrayError(f"values has shape {values.shape}; give {count} numbers{flat or ', one for each'}")
+    return np.where(np.abs(values) > 1e300, np.inf, values)
 
 
 def as_limits(value: object) -> tuple[float, float]:

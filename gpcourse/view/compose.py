@@ -218,7 +218,7 @@ def _alt(alt: str | None, title: str, words: str) -> str:
 
 
 def _length(values: object) -> int:
-    return len(values) if isinstance(values, Sized) else 0
+    return len(values) if isinstance(values, Sized) and not hasattr(values, "toarray") else 0
 
 
 def _is_one_curve(lines: Any) -> bool:

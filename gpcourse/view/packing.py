@@ -98,9 +98,10 @@ def _camera(panels: list[Panel]) -> dict[str, Any]:
     axes = view_axes(camera)
     layers = [layer for panel in panels for layer in panel.layers]
     middle, half = extent(layers, camera)
-    depth = np.concatenate([np.asarray(p) @ axes[2] for p in positions(layers)] or [np.zeros(1)])
+    clouds = [cloud for cloud in positions(layers) if len(cloud)] or [np.zeros((1, 3))]
+    depth = np.concatenate(clouds) @ axes[2]
     focus = middle @ axes[:2] + 0.5 * float(depth.min() + depth.max()) * axes[2]
-    reach = float(np.hypot(*(np.ptp(depth), 2 * half.max()))) if len(depth) else 1.0
+    reach = float(np.hypot(np.ptp(depth), 2 * half.max()))
     return {"axes": axes.ravel().tolist(), "focus": focus.tolist(), "half": half.tolist(), "reach": reach}
 
 

@@ -14,12 +14,16 @@ if TYPE_CHECKING:
 
 
 class Page:
-    """A figure on which everything is placed in points from its lower left corner."""
+    """A figure on which everything is placed in points from its lower left corner.
 
-    def __init__(self, figure: Figure) -> None:
+    With `rastered`, blended triangles become pixels where all else is lines and outlines.
+    """
+
+    def __init__(self, figure: Figure, *, rastered: bool = False) -> None:
         from matplotlib.transforms import Affine2D
 
         self._figure = figure
+        self._rastered = rastered
         self._transform = Affine2D().scale(1 / 72) + figure.dpi_scale_trans
         self._count = 0
         self._clip: Any = None
@@ -70,6 +74,7 @@ class Page:
             flat = outlines.reshape(-1, 2)
             blend = TriMesh(Triangulation(flat[:, 0], flat[:, 1], np.arange(len(flat)).reshape(-1, 3)))
             blend.set_facecolor(np.column_stack([colours.reshape(-1, 3), np.ones(len(flat))]))  # type: ignore[arg-type]
+            blend.set_rasterized(self._rastered)
             self.add(blend)
 
     def dots(self, centres: FloatArray, sizes: Any, colours: Any, edge: Any, line: float = 0.6) -> None:

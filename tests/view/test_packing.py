@@ -114,7 +114,7 @@ def test_pages_hold_no_address():
 def test_a_picture_is_saved_as_a_page(tmp_path):
     view.mesh(shapes.cube()).save(tmp_path / "cube.html")
     assert (tmp_path / "cube.html").read_text("utf-8").startswith("<!doctype html>")
-    with pytest.raises(ArrayError, match=r"\.png or \.html"):
+    with pytest.raises(ArrayError, match=r"\.png, \.pdf or \.html"):
         view.mesh(shapes.cube()).save(tmp_path / "cube.jpg")
 
 

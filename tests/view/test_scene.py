@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from scipy import sparse
 
 from gpcourse import view
 from gpcourse.errors import ArrayError, GeometryError
@@ -137,13 +138,43 @@ def test_values_go_to_faces_when_there_is_one_for_each():
         (lambda: view.points([[1, 2, 3]], size=0), "size is 0"),
         (lambda: view.curves([[[0, 0], [1, 1]], [[0, 0]]]), r"lines\[1\] has 1 points"),
         (view.side_by_side, "at least one panel"),
-        (lambda: view.side_by_side(TETRAHEDRON), "picture 0 is a tuple"),
+        (lambda: view.side_by_side(TETRAHEDRON), "picture 0 is a tuple; give the pictures one by one"),
+        (lambda: view.side_by_side(view.mesh(TETRAHEDRON), 3), "picture 1 is a int; make one of it"),
+        (lambda: view.animation(view.mesh(TETRAHEDRON)), "one picture is given where several"),
+        (lambda: view.animation([3]), "picture 0 is a int"),
+        (lambda: view.mesh(TETRAHEDRON, 1j * np.arange(4)), "values holds complex numbers"),
+        (
+            lambda: view.mesh(TETRAHEDRON, np.zeros((4, 1))),
+            r"shape \(4, 1\); give 4 numbers, as values.ravel",
+        ),
+        (lambda: view.mesh(TETRAHEDRON, sparse.eye_array(4)), "values is a sparse matrix"),
+        (lambda: view.mesh(TETRAHEDRON, {"H": range(4), "K": range(3)}), "field 'K': values has shape"),
         (lambda: view.Picture(TETRAHEDRON), "a tuple is not a scene"),
     ],
 )
 def test_what_cannot_be_drawn_is_named(make, message):
     with pytest.raises(GeometryError, match=message):
         make()
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: view.mesh((TETRAHEDRON[0], [])), "A mesh of 4 vertices and 0"),
+        (lambda: view.points(np.zeros((0, 3))), "A cloud of 0 points"),
+        (lambda: view.curves([]), "0 curves"),
+    ],
+)
+def test_a_picture_of_nothing_says_so(make, words):
+    picture = make()
+    assert picture.scene.panels[0].title.startswith(f"nothing to see: {words}")
+    assert "<iframe" in picture.html()
+
+
+def test_values_that_have_blown_up_are_shown_in_grey():
+    picture = view.mesh(TETRAHEDRON, [1e308, -1e308, 1.0, 2.0])
+    assert "from 1 to 2; 2 values are not finite" in repr(picture)
+    assert "<iframe" in picture.html()
 
 
 def tetrahedron():

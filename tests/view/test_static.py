@@ -291,6 +291,28 @@ def test_no_figure_is_left_behind():
     assert pyplot.get_fignums() == []
 
 
+def test_a_pdf_of_a_scene_is_the_same_bytes_every_time(tmp_path):
+    for name in ("a.pdf", "b.pdf"):
+        view.mesh(CUBE, range(8), value_name="a long name of values").save(tmp_path / name)
+    first, second = (tmp_path / "a.pdf").read_bytes(), (tmp_path / "b.pdf").read_bytes()
+    assert first.startswith(b"%PDF")
+    assert first == second
+
+
+def test_the_name_at_a_colour_bar_is_not_cut_off():
+    name = "a name that is wider than the bar"
+    short, long = (pixels(view.mesh(CUBE, range(8), value_name=text)) for text in ("u", name))
+    assert long.shape[1] > short.shape[1]
+    assert (long[:, -6:] == 255).all()
+
+
+def test_titles_in_a_row_stand_on_one_line():
+    flat = (CUBE[0] * [1, 1, 0.2], CUBE[1])
+    row = pixels(view.side_by_side(*(view.mesh(mesh, title="E") for mesh in (CUBE, flat))))
+    tops = [np.flatnonzero((half < 128).any(axis=(1, 2)))[0] for half in np.array_split(row, 2, axis=1)]
+    assert tops[0] == tops[1]
+
+
 def test_save_writes_a_png_and_nothing_else(tmp_path):
     path = tmp_path / "cube.png"
     picture = view.mesh(CUBE)

@@ -22,6 +22,15 @@ _TERMINAL_CODES = re.compile(
 #: Control characters, and the marks that turn the reading direction of what follows.
 _UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
+#: A place in the grader's file system: quoted, so that it may hold spaces, or of at least two parts.
+_QUOTED_PATH = re.compile(r"""(['"])(?:[A-Za-z]:)?[/\\](?:[^'"\n]*[/\\])?([^'"/\\\n]*)\1""")
+_PATH = re.compile(r"(?<![\w.:/\\<~-])(?:[A-Za-z]:)?[/\\](?:[^\s/\\'\"<>:;,()]+[/\\]+)+([^\s/\\'\"<>:;,()]*)")
+
+
+def without_paths(text: str) -> str:
+    """Leave of every absolute path the name of its file: a grader's folders are nobody's business."""
+    return _PATH.sub(r"\1", _QUOTED_PATH.sub(r"\1\2\1", text))
+
 
 def clean(text: object, limit: int = 600) -> str:
     """Return `text` without terminal codes and control characters, and at most `limit` characters long."""

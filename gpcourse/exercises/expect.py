@@ -246,7 +246,11 @@ def _both(mine: FloatArray, true: FloatArray) -> tuple[str, str]:
 
 
 def _told_apart(a: float, b: float) -> tuple[str, str]:
-    """Write two numbers with four digits, or with as many as show that they differ."""
+    """Write two numbers with four digits, or with as many as show that they differ.
+
+    What rounding leaves beside the other is zero.
+    """
+    a, b = (0.0 if abs(x) < 1e-13 * abs(y) else x for x, y in ((a, b), (b, a)))
     digits = 4 if a == b else next((d for d in range(4, 17) if f"{a:.{d}g}" != f"{b:.{d}g}"), 17)
     return f"{a:.{digits}g}", f"{b:.{digits}g}"
 

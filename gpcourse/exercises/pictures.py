@@ -112,7 +112,9 @@ class Positions:
         i = worst[0]
         if not answers:
             stages = [("before", self.before), (f"yours, worst at {self.item} {i}", yours)]
-            return side_by_side([marked(self._panel(x, title), x[i]) for title, x in stages if x is not None])
+            known = [(title, x) for title, x in stages if x is not None]
+            towards = self._towards(known[0][1], i)
+            return side_by_side([marked(self._panel(x, title, towards), x[i]) for title, x in known])
         off = lengths(yours - truth, signed=False)
         settings: dict[str, Any] = {"value_name": "distance", "direction": self._towards(truth, i)}
         title = f"distance, worst at {self.item} {i}"
@@ -146,7 +148,7 @@ class Rows:
     def scene(self, yours: FloatArray, truth: FloatArray, worst: tuple[int, ...], answers: bool) -> Scene:
         i, j = worst[0], worst[-1]
         shown = self._near(i, j, yours[i], truth[i])
-        title = f"yours: row {i} of {self.name}, sum {yours[i].sum():.3g}"
+        title = f"yours: row {i} of {self.name}, sum {_total(yours[i])}"
         panels = [self._panel(yours[i], shown, i, j, title)]
         if not truth.any():
             panels = [self._panel(yours[i], shown, i, j, f"row {i} of {self.name}, should be 0")]
@@ -300,6 +302,12 @@ class Marks:
             Points(self.points[flags], (colour,), size=3.5) for flags, colour in kinds if flags.any()
         )
         return Panel(layers, title, camera_for(self.points, None, None))
+
+
+def _total(row: FloatArray) -> str:
+    """Write a sum; what its rounding leaves is zero."""
+    total = float(row.sum())
+    return "0" if abs(total) < 1e-12 * float(np.abs(row).sum()) else f"{total:.3g}".replace("-", "−")
 
 
 def of_own(vertices: FloatArray, faces: IntArray, values: FloatArray, name: str) -> Draw:

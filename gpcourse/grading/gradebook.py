@@ -75,14 +75,11 @@ def note(report: Report) -> str:
 
 def handed_out(report: Report) -> list[str]:
     """Say what a student should know of the submission as a whole: no path, and no fault of ours in full."""
-    missing = [judged.verdict.exercise.name for judged in report.judged if judged.missing]
     words = [feedback.without_paths(text) for text in report.notes]
     if report.status == "grader fault":
         words.append(
             "The grader broke while it looked at this. It is our fault, and a person will look at it."
         )
-    if report.status == "graded" and missing:
-        words.append(f"no function {', '.join(missing)}")
     return words
 
 
@@ -102,14 +99,15 @@ def gradescope(report: Report) -> str:
 
 def _test(judged: Judged) -> dict[str, Any]:
     verdict = judged.verdict
+    words = feedback.as_text(verdict, answers=False)
+    if judged.missing:
+        words = f"There is no function called {verdict.exercise.name} in what was handed in."
     return {
         "name": verdict.exercise.name,
         "score": verdict.points,
         "max_score": verdict.exercise.points,
         "status": "passed" if verdict.outcome == "passed" else "failed",
-        "output": "\n".join(
-            [feedback.as_text(verdict, answers=False), *map(feedback.without_paths, judged.notes)]
-        ),
+        "output": "\n".join([words, *map(feedback.without_paths, judged.notes)]),
         "output_format": "text",
     }
 

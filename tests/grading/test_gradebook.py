@@ -146,7 +146,7 @@ def test_the_class_page_counts_named_mistakes(exercise):
     page = reports.class_page(all_reports, CHAPTERS, [exercise], 7, {name: name for name in students})
     table = page[page.index("<h2>Named mistakes") : page.index("<h2>Students")]
     row = table[table.rindex("<tr>", 0, table.index("it was squared")) :]
-    assert '<td class="count num">2</td>' in row
+    assert '<td class="many count num">2</td>' in row
     assert "students/bo.html" in row
     assert "students/cy.html" in row
     assert "seed <b>7</b>" in page

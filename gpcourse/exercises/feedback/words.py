@@ -40,8 +40,9 @@ def clean(text: object, limit: int = 600) -> str:
 
 
 def sentence(text: str) -> str:
-    """Begin with a capital letter, unless it is a name in code, and end with a full stop."""
-    return text[:1].upper() + text[1:] + ("" if not text or text[-1] in ".?!…:`" else ".")
+    """Begin with a capital letter, unless it is a name, as in "t, worst at …", and end with a full stop."""
+    begin = text[:1] if re.match(r"[b-zA-Z]\W", text) else text[:1].upper()
+    return begin + text[1:] + ("" if not text or text[-1] in ".?!…:`" else ".")
 
 
 def written_call(
@@ -72,6 +73,8 @@ def _code(value: Any) -> str | None:
         text = repr(plain)
     else:
         text = ""
+    if "Ellipsis" in text and not isinstance(value, str):  # an array in a list, which is too large
+        return None
     limit = _WRITTEN_TEXT if isinstance(value, str) else _WRITTEN
     return text if 0 < len(text) <= limit and "<" not in _outside_strings(plain, text) else None
 
@@ -99,9 +102,9 @@ def _described(value: Any) -> str:
         return f"a text of {lines} lines, beginning with {clean(value, 1000)[:40]!r}"
     if isinstance(value, (list, tuple)):
         kind = "list" if isinstance(value, list) else "tuple"
-        return (
-            f"a {kind} of {len(value)}, beginning with {clean(_plain(value[0]), 40)}"
-            if value
-            else f"an empty {kind}"
-        )
+        if not value:
+            return f"an empty {kind}"
+        first = _plain(value[0])
+        words = _described(value[0]) if first is ... else clean(first, 40)
+        return f"a {kind} of {len(value)}, beginning with {words}"
     return f"a {type(value).__name__}"

@@ -96,7 +96,7 @@ def _(f: Asked, rng: Rng) -> None:
         cases.append((p, q, want, scale, f(p, q)))
     for p, q, want, scale, answer in cases:
         on = f"{len(q)} points of size {scale:g}"
-        _expect_motion(motion(answer, on=on), want, 4 * scale, (p, q), on)
+        _expect_motion(motion(answer, on=on, clouds=(p, q)), want, 4 * scale, (p, q), on)
 
 
 @RIGID_TRANSFORM.check("no other motion fits noisy pairs better")
@@ -108,7 +108,7 @@ def _(f: Asked, rng: Rng) -> None:
         cases.append((p, q, f(p, q)))
     for p, q, answer in cases:
         on = f"{len(q)} noisy pairs"
-        _expect_best(motion(answer, on=on), p, q, np.ones(len(q)), on)
+        _expect_best(motion(answer, on=on, clouds=(p, q)), p, q, np.ones(len(q)), on)
 
 
 @RIGID_TRANSFORM.check("noisy points near a plane give a rotation, never a reflection", points=2)
@@ -118,8 +118,8 @@ def _(f: Asked, rng: Rng) -> None:
     exact, rough = f(p, q), f(noisy, q)
     on = "points near a plane, noisy across it"
     # As above, but the third direction is 30 times shorter: 1e-12 still leaves a hundredfold.
-    _expect_motion(motion(exact, on=on), want, 4.0, (p, q), on)
-    _expect_best(motion(rough, on=on), noisy, q, np.ones(len(q)), on)
+    _expect_motion(motion(exact, on=on, clouds=(p, q)), want, 4.0, (p, q), on)
+    _expect_best(motion(rough, on=on, clouds=(noisy, q)), noisy, q, np.ones(len(q)), on)
 
 
 @RIGID_TRANSFORM.check("a mirror image gives the best rotation")
@@ -127,7 +127,7 @@ def _(f: Asked, rng: Rng) -> None:
     q = rng.normal(size=(12, 3)) * [3.0, 2.0, 1.0]
     p = moved(-q, *random_motion(rng))
     on = "a cloud and its mirror image"
-    _expect_best(motion(f(p, q), on=on), p, q, np.ones(len(q)), on)
+    _expect_best(motion(f(p, q), on=on, clouds=(p, q)), p, q, np.ones(len(q)), on)
 
 
 @RIGID_TRANSFORM.check("points in a plane, and points on a line")
@@ -160,9 +160,9 @@ def _(f: Asked, rng: Rng) -> None:
     graded = rng.uniform(0.1, 5, size=15)
     exact, rough = f(p, q, trusted), f(noisy, q, graded)
     on = "15 pairs, 4 of them wrong and of weight 0"
-    _expect_motion(motion(exact, on=on), want, 4.0, (p, q), on)
+    _expect_motion(motion(exact, on=on, clouds=(p, q)), want, 4.0, (p, q), on)
     on = "15 noisy pairs with different weights"
-    _expect_best(motion(rough, on=on), noisy, q, graded, on)
+    _expect_best(motion(rough, on=on, clouds=(noisy, q)), noisy, q, graded, on)
 
 
 def _svd(

@@ -716,7 +716,7 @@ def _(f: Asked, rng: Rng) -> None:
             condition <= usual / BETTER,
             "The sample lets the plate slip: the condition number of its six equations is not much better "
             "than that of random samples.",
-            yours=f"{condition:.3g}",
+            yours=f"{condition:.3g}" if condition < 1e12 else "infinite: the six equations are singular",
             truth=f"random samples have {usual:.3g}; below {usual / BETTER:.3g} is well possible",
             on=on,
             picture=pictures.of_sample(surface.points, chosen),

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
 from gpcourse.exercises.smoothing import expecting, truths
@@ -103,7 +103,9 @@ def _declare_total(exercise: Exercise) -> None:
             mine = expect.array(value, (len(shape.vertices),), "The array of areas", on=on)
             total = float(truths.face_areas(shape.vertices, faces_of(shape)).sum())
             size = max(total, float(np.abs(mine).max()))
-            expect.close(float(mine.sum()), total, SINGLE * size, "The sum of the cells", on=on)
+            picture = pictures.of_own(shape.vertices, faces_of(shape), mine, "area of a cell")
+            what = "The sum of the cells"
+            expect.close(float(mine.sum()), total, SINGLE * size, what, on=on, picture=picture)
 
 
 # Barycentric ------------------------------------------------------------------------------------

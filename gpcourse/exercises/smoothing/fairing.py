@@ -490,7 +490,7 @@ def _expect_fixed(
     """Expect that the fixed vertices are where they were."""
     moved = np.zeros_like(before)
     moved[fixed] = mine[fixed] - before[fixed]
-    shown = pictures.Field(mine, faces, "how far a fixed vertex moved")
+    shown = pictures.Field(before, faces, "how far a fixed vertex moved")
     expect.close(moved, 0.0, tolerance, "How far a fixed vertex moved", on=on, shown=shown)
 
 

@@ -97,15 +97,19 @@ def outside(url):
 
 
 def drawn(picture):
-    """Return the frame of a picture that has been scrolled to, and drawn."""
-    for _ in range(100):
-        picture.scroll_into_view_if_needed()
+    """Return the frame of a picture once it has been scrolled to, and drawn."""
+    from playwright.sync_api import TimeoutError as TooLate
+
+    for _ in range(20):
+        picture.scroll_into_view_if_needed()  # again, since formulas above may still grow
         frame = picture.element_handle().content_frame()
-        if frame and frame.query_selector("body[data-drawn]"):
-            return frame
-        picture.page.wait_for_timeout(200)
+        try:
+            frame.wait_for_selector("body[data-drawn]", state="attached", timeout=1000)
+        except TooLate:
+            continue
+        return frame
     state = "JSON.stringify([document.body.dataset, innerWidth, innerHeight, wanted, busy, !!live])"
-    raise AssertionError(f"not drawn within 20 s: {frame and frame.evaluate(state)}")
+    raise AssertionError(f"not drawn within 20 s: {frame.evaluate(state)}")
 
 
 def run_all(page):
@@ -166,7 +170,8 @@ def test_a_stored_picture_turns_where_it_is_trusted_and_is_seen_where_it_is_not(
     page.get_by_role("menuitem", name="Settings", exact=True).click()
     page.get_by_text("Theme", exact=True).hover()
     page.get_by_text("JupyterLab Dark", exact=True).click()
-    page.wait_for_timeout(2500)
+    frame.wait_for_selector("html.dark", timeout=20_000)
+    page.wait_for_timeout(100)
     assert max(frame.evaluate(PIXELS)[:3]) < 60
     context.close()
 

@@ -84,7 +84,8 @@ class Painter:
             return
         order = painting_order(self.flat, self.height, self.corners, self.sizes)
         blended = len(self.fans) > MANY or any(
-            mesh.smooth or (mesh.values is not None and mesh.values_on == "vertices") for mesh in meshes
+            mesh.smooth or mesh.vertex_colours or (mesh.values is not None and mesh.values_on == "vertices")
+            for mesh in meshes
         )
         if blended:
             rank = np.empty(len(order), dtype=np.int64)

@@ -163,6 +163,17 @@ def test_values_that_are_not_finite_are_grey():
     assert share(picture, "#b9bcc0", tolerance=3) > 0.2
 
 
+def test_colours_of_vertices_are_blended_over_the_faces():
+    square = (np.array(SQUARE, dtype=float), [[0, 1, 2], [0, 2, 3]])
+    colours = [[1, 0, 0], [0, 0, 1], [0, 0, 1], [1, 0, 0]]  # red on the left, blue on the right
+    seen = pixels(view.mesh(square, vertex_colours=colours, edges=False, direction=TOWARDS_CAMERA))
+    drawn = np.flatnonzero((seen[len(seen) // 2] < 250).any(axis=1))
+    left, middle, right = (seen[len(seen) // 2, drawn[0] + k * len(drawn) // 10] for k in (1, 5, 9))
+    assert left[0] > 200 > 60 > left[2]
+    assert right[2] > 200 > 60 > right[0]
+    assert abs(middle[0] - middle[2]) < 30
+
+
 def test_the_back_of_an_open_mesh_has_another_colour():
     front = view.mesh((SQUARE, [[0, 1, 2, 3]]), direction=(0, 0, 1), edges=False)
     back = view.mesh((SQUARE, [[0, 1, 2, 3]]), direction=(0, 0, -1), edges=False)
@@ -261,6 +272,8 @@ EMPTY = (np.zeros((0, 3)), [])
         lambda: view.points(np.zeros((0, 3))),
         lambda: view.curves([[0, 0], [1, 1], [2, 0]], closed=True),
         lambda: view.curves([CUBE[0]], on=CUBE, colours=["red"]),
+        lambda: view.vectors(CUBE[0], CUBE[0] - 0.5, on=CUBE),
+        lambda: view.together(view.mesh(CUBE), view.points(CUBE[0]), view.curves(CUBE[0])),
         lambda: view.side_by_side(*[view.mesh(CUBE, title=str(i)) for i in range(6)]),
     ],
 )

@@ -123,9 +123,9 @@ const boot = async (kept) => {
     }
     const v = layer.values ? values(layer.values) : null, onFaces = layer.on === "faces";
     const m = triangles.length, X = new Float32Array(3 * m), N = new Float32Array(3 * m), C = new Float32Array(3 * m), V = new Float32Array(m);
-    const plain = rgb(layer.colour), palette = (layer.palette || []).map(rgb), painted = layer.painted ? numbers(layer.painted) : null;
+    const plain = rgb(layer.colour), palette = (layer.palette || []).map(rgb), painted = layer.painted ? numbers(layer.painted) : null, blended = layer.blended ? numbers(layer.blended) : null;
     for (let c = 0; c < m; c++) {
-      const i = triangles[c], f = owner[(c / 3) | 0], paint = painted ? palette[painted[f]] : plain;
+      const i = triangles[c], f = owner[(c / 3) | 0], paint = painted ? palette[painted[f]] : blended ? [0, 1, 2].map((d) => blended[3 * i + d] / 255) : plain;
       for (let d = 0; d < 3; d++) { X[3 * c + d] = at[3 * i + d]; N[3 * c + d] = normal[3 * i + d]; C[3 * c + d] = paint[d]; }
       if (v) V[c] = v[onFaces ? f : i];
     }

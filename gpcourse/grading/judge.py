@@ -10,7 +10,8 @@ from functools import partial
 
 from gpcourse.errors import WorkerError
 from gpcourse.exercises.exercise import Exercise
-from gpcourse.exercises.judging import Verdict, judge
+from gpcourse.exercises.judging import Verdict
+from gpcourse.exercises.judging import judge as judge_here
 from gpcourse.grading.submission import Notebook, Submission
 from gpcourse.sandbox.call import Trouble
 from gpcourse.sandbox.lockdown import Level
@@ -18,6 +19,9 @@ from gpcourse.sandbox.proxy import Survey, Worker
 
 #: ``open_worker(notebook)`` returns the worker that holds a notebook's functions.
 OpenWorker = Callable[[Notebook], Worker]
+
+#: ``judge(exercise, worker)`` gives the verdict on the worker's function of that name.
+Judge = Callable[[Exercise, Worker], Verdict]
 
 
 @dataclass(frozen=True)
@@ -59,8 +63,13 @@ class Report:
         return sum(judged.verdict.exercise.points for judged in self.judged)
 
 
+def afresh(seed: int) -> Judge:
+    """Return a judge that remembers nothing."""
+    return lambda exercise, worker: judge_here(exercise, partial(worker.ask, exercise.name), seed)
+
+
 def judge_submission(
-    submission: Submission, exercises: Sequence[Exercise], seed: int, open_worker: OpenWorker
+    submission: Submission, exercises: Sequence[Exercise], judge: Judge, open_worker: OpenWorker
 ) -> Report:
     """Judge every exercise on what was handed in. One that breaks costs no other its points."""
     notes = list(submission.notes)
@@ -75,7 +84,7 @@ def judge_submission(
             if room is None:
                 room = _Room(notebook, stack.enter_context(open_worker(notebook)), names)
                 rooms[id(notebook)] = room
-            result = room.judge(exercise, seed)
+            result = room.judge(exercise, judge)
             if len(holding) > 1 and exercise.name in notebook.defines:
                 several = f"found in {len(holding)} notebooks; {notebook.name} counts"
                 result = replace(result, notes=(*result.notes, several))
@@ -114,26 +123,26 @@ class _Room:
             return self.worker.survey()
         return Survey()
 
-    def judge(self, exercise: Exercise, seed: int) -> Judged:
+    def judge(self, exercise: Exercise, judge: Judge) -> Judged:
         name = exercise.name
         if not self.notebook.readable or name in self.survey.stubs:
             return Judged(Verdict(exercise, "not attempted"))
-        judged = self._judge(exercise, seed)
+        judged = self._judge(exercise, judge)
         if self.used and judged.verdict.outcome != "passed":
             # What another exercise did to the process is not this one's fault: ask once more in a new one.
             self.worker.close()
-            judged = self._judge(exercise, seed)
+            judged = self._judge(exercise, judge)
         self.used = True
         return judged
 
-    def _judge(self, exercise: Exercise, seed: int) -> Judged:
+    def _judge(self, exercise: Exercise, judge: Judge) -> Judged:
         name = exercise.name
         with suppress(WorkerError):  # said again, as a fault of ours, when the first question is asked
             ready = self.worker.prepare(name)
             if ready.status == "missing":
                 return Judged(Verdict(exercise, "not attempted"), self._near(name), missing=True)
             self.failures.update(dict.fromkeys(f"{_where(t)}: {_what(t)}" for t in ready.notes))
-        verdict = judge(exercise, partial(self.worker.ask, name), seed)
+        verdict = judge(exercise, self.worker)
         answers = (question.answer for result in verdict.results for question in result.questions)
         crash = next((a.trouble for a in answers if a.status == "crashed" and a.trouble), None)
         return Judged(verdict, () if crash is None else (crash.message,))

@@ -1,13 +1,11 @@
-"""Data made by others: fetched on demand, verified, kept outside of the course.
-
-The course does without: where the Stanford scans are not here, `range_scans` makes scans of its own.
-"""
+"""Range scans: those that come with the course, and those of Stanford, fetched on demand and verified."""
 
 from __future__ import annotations
 
 import hashlib
 import os
 import tarfile
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
@@ -16,7 +14,7 @@ import numpy as np
 from gpcourse.errors import DataError
 from gpcourse.geometry.arrays import FloatArray
 from gpcourse.geometry.ply import Lists, ply_vertices, read_ply_elements
-from gpcourse.geometry.scans import Scan, grid_triangles, pebble, turntable
+from gpcourse.geometry.scans import Scan, grid_triangles
 
 #: The variable of the environment that names another folder for the data.
 FOLDER_VARIABLE = "GPCOURSE_DATA"
@@ -35,10 +33,51 @@ BUNNY_SHA256 = {
     "bun270.ply": "51cec23127a26bce6e96ac4ca17b12c8e57e365d63d98e919501199f7d4d78c8",
     "bun_zipper_res2.ply": "8faa052bb08cf1625eec97b6508baceee11eec9cf28f83f6a9d4547ab15d7761",
 }
-_POSES = "bun.conf"
-_GRID = (400, 512)  # rows and columns of the scanner
-_LONGEST = 0.004  # metres, eight pixels: no longer edge joins two points of a scan
 _LARGEST = 64 * 2**20  # bytes; no file of the archive is near it
+
+
+@dataclass(frozen=True)
+class ScanSet:
+    """Scans of one object in a folder.
+
+    Attributes
+    ----------
+    scans : tuple of str
+        The PLY files, in the order in which the object was turned.
+    poses : str
+        The file of the poses.
+    grid : (int, int)
+        Rows and columns of the scanner.
+    longest : float
+        No longer edge joins two points of a scan, in its unit of length.
+    """
+
+    scans: tuple[str, ...]
+    poses: str
+    grid: tuple[int, int]
+    longest: float
+
+    def is_in(self, folder: Path) -> bool:
+        """Whether the folder holds all the files."""
+        return all((folder / name).is_file() for name in (*self.scans, self.poses))
+
+
+BUNNY = ScanSet(
+    ("bun000.ply", "bun045.ply", "bun090.ply", "bun180.ply", "bun270.ply"),
+    "bun.conf",
+    (400, 512),
+    0.004,  # metres, eight pixels
+)
+PEBBLE = ScanSet(
+    ("pebble000.ply", "pebble045.ply", "pebble090.ply", "pebble180.ply", "pebble270.ply"),
+    "pebble.conf",
+    (90, 90),
+    0.2,  # four pixels; the pebble is about 3 long
+)
+
+_PACKAGE = Path(__file__).resolve().parent
+#: Where the scans of the course lie: in an installed package, or in a checkout.
+_COURSE = (_PACKAGE / "_course" / "scans", _PACKAGE.parent / "data" / "scans")
 
 
 def data_folder() -> Path:
@@ -51,55 +90,69 @@ def data_folder() -> Path:
 
 
 def bunny_folder() -> Path | None:
-    """Return the folder of the Stanford bunny, or None if it is not here as a whole."""
+    """Return the folder of the Stanford bunny, or None if not all of its scans are here."""
     folder = data_folder() / "bunny"
-    return folder if all((folder / name).is_file() for name in (*BUNNY_SHA256, _POSES)) else None
+    return folder if BUNNY.is_in(folder) else None
+
+
+def pebble_folder() -> Path:
+    """Return the folder of the scans that come with the course.
+
+    Raises
+    ------
+    DataError
+        If this installation lacks them.
+    """
+    for folder in _COURSE:
+        if PEBBLE.is_in(folder):
+            return folder
+    raise DataError("this installation holds no scans; install it anew, or run it in a checkout")
 
 
 def range_scans() -> list[Scan]:
-    """Return five scans of one object, with true poses: the Stanford bunny where it is here, else made ones.
+    """Return five scans of one object, with true poses: the Stanford bunny where it is here, else a pebble.
 
-    The bunny's lengths are metres, about 0.15 for the whole; the made object is about 3 long.
+    The bunny's lengths are metres, about 0.15 for the whole; the pebble, a made object, is about 3 long.
     """
     folder = bunny_folder()
-    if folder is not None:
-        return load_bunny(folder)
-    return turntable(pebble(6), pixels=150, noise=0.0005, rng=1)
+    return load_scans(pebble_folder(), PEBBLE) if folder is None else load_scans(folder, BUNNY)
 
 
-def load_bunny(folder: Path) -> list[Scan]:
-    """Read the five scans of the Stanford bunny, with the poses of its `bun.conf`.
+def load_scans(folder: Path, scans: ScanSet) -> list[Scan]:
+    """Read scans and their poses.
 
     Raises
     ------
     PlyFormatError, DataError
         If a file is damaged.
     """
-    poses = _read_poses((folder / _POSES).read_text(encoding="ascii", errors="replace"))
-    made = []
-    for name in BUNNY_SHA256:
+    poses = _read_poses((folder / scans.poses).read_text(encoding="ascii", errors="replace"), scans.poses)
+    read = []
+    for name in scans.scans:
         stem = name.removesuffix(".ply")
         if stem not in poses:
-            continue  # the reconstruction is no scan
+            raise DataError(f"{scans.poses} has no pose of {name}; restore the files of {folder}")
         elements = read_ply_elements((folder / name).read_bytes())
         points = ply_vertices(elements)
-        faces = grid_triangles(_grid(elements, name), points, _LONGEST)
+        faces = grid_triangles(_grid(elements, name, scans.grid, len(points)), points, scans.longest)
         R, t = poses[stem]
-        made.append(Scan(stem, points, R, t, faces, None, np.zeros(len(points), dtype=bool)))
-    return made
+        read.append(Scan(stem, points, R, t, faces, None, np.zeros(len(points), dtype=bool)))
+    return read
 
 
-def _grid(elements: dict[str, Any], name: str) -> Any:
-    """Return the index of the point at each pixel, -1 where the scanner saw nothing."""
+def _grid(elements: dict[str, Any], name: str, shape: tuple[int, int], count: int) -> Any:
+    """Return which of `count` points is at each pixel, -1 where the scanner saw nothing."""
     pixels = elements.get("range_grid", {}).get("vertex_indices")
-    index = np.full(_GRID[0] * _GRID[1], -1)
+    index = np.full(shape[0] * shape[1], -1)
     if not isinstance(pixels, Lists) or len(pixels.sizes) != len(index) or pixels.sizes.max() > 1:
-        raise DataError(f"{name} has no grid of {_GRID[1]} × {_GRID[0]} pixels; fetch it anew")
+        raise DataError(f"{name} has no grid of {shape[1]} × {shape[0]} pixels; restore the file")
+    if not np.isin(pixels.flat, np.arange(count)).all():
+        raise DataError(f"a pixel of {name} shows a point that is not there; restore the file")
     index[pixels.sizes == 1] = pixels.flat.astype(np.int64)
-    return index.reshape(_GRID)
+    return index.reshape(shape)
 
 
-def _read_poses(text: str) -> dict[str, tuple[FloatArray, FloatArray]]:
+def _read_poses(text: str, name: str) -> dict[str, tuple[FloatArray, FloatArray]]:
     """Read lines ``bmesh FILE tx ty tz qx qy qz qw``: x goes to R(q)⁻¹ x + t."""
     poses = {}
     for number, line in enumerate(text.splitlines(), 1):
@@ -110,7 +163,7 @@ def _read_poses(text: str) -> dict[str, tuple[FloatArray, FloatArray]]:
             tx, ty, tz, *q = (float(word) for word in words[2:])
             x, y, z, w = np.array(q) / np.linalg.norm(q)
         except ValueError:
-            raise DataError(f"line {number} of {_POSES} is damaged; fetch it anew") from None
+            raise DataError(f"line {number} of {name} is damaged; restore the file") from None
         cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
         R = np.eye(3) + 2 * w * cross + 2 * cross @ cross
         poses[words[1].removesuffix(".ply")] = R.T, np.array([tx, ty, tz])
@@ -133,7 +186,7 @@ def fetch_bunny(url: str = BUNNY_URL) -> Path:
         If the server cannot be reached, or a file is not the one that is expected.
     """
     folder = data_folder() / "bunny"
-    if bunny_folder() and all(_sha256((folder / f).read_bytes()) == sha for f, sha in BUNNY_SHA256.items()):
+    if bunny_folder() and all(_holds(folder / name, sha) for name, sha in BUNNY_SHA256.items()):
         return folder
     archive = _download(url, data_folder() / "bunny.tar.gz")
     try:
@@ -154,15 +207,19 @@ def _verified(archive: Path) -> dict[str, bytes]:
     with tarfile.open(archive, "r:gz") as tar:
         for member in tar:
             name = Path(member.name).name
-            if name in (*BUNNY_SHA256, _POSES) and member.isfile() and member.size <= _LARGEST:
+            if name in (*BUNNY_SHA256, BUNNY.poses) and member.isfile() and member.size <= _LARGEST:
                 opened = tar.extractfile(member)
                 files[name] = opened.read() if opened else b""
     for name, expected in BUNNY_SHA256.items():
         seen = _sha256(files[name]) if name in files else "missing"
         if seen != expected:
             raise DataError(f"the SHA-256 of {name} should be {expected[:12]}… and is {seen[:12]}…")
-    _read_poses(files.get(_POSES, b"bmesh").decode("ascii", errors="replace"))
+    _read_poses(files.get(BUNNY.poses, b"bmesh").decode("ascii", errors="replace"), BUNNY.poses)
     return files
+
+
+def _holds(file: Path, sha256: str) -> bool:
+    return file.is_file() and _sha256(file.read_bytes()) == sha256
 
 
 def _sha256(content: bytes) -> str:
@@ -199,7 +256,7 @@ def _download(url: str, target: Path) -> Path:
         raise DataError(
             f"{url} cannot be downloaded ({cause}). What has arrived is kept: run this again to go on. "
             f"Without a network, bring the file by other means and save it as {target}, then run it again. "
-            "The notebooks work without it, on scans that the course makes itself."
+            "The notebooks work without it, on scans that come with the course."
         ) from None
 
 

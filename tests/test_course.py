@@ -28,6 +28,14 @@ SOLUTIONS = [
         *((v.name, v.function) for v in exercise.variants),
     ]
 ]
+
+
+def options(exercise):
+    """Return the parameters that may be left out, with their defaults."""
+    parameters = exercise.signature.parameters.values()
+    return {p.name: p.default for p in parameters if p.default is not p.empty}
+
+
 JUNK = [None, -1.5, "text", [], {}, slice(3), float("nan"), [[None]], {1, 2}]
 MISTAKES = [pytest.param(e, m, id=f"{e.name}-{m.name}") for e in EXERCISES for m in e.mistakes]
 
@@ -96,6 +104,16 @@ def test_an_exercise_is_declared_in_full(exercise):
     for mistake in exercise.mistakes:
         assert mistake.hint
         assert not mistake.name.endswith(".")
+
+
+@pytest.mark.parametrize("exercise", [e for e in EXERCISES if options(e)], ids=lambda e: e.name)
+def test_every_option_is_asked_by_a_check(exercise):
+    verdict = judge(exercise, ask_here(exercise.reference), 0)
+    asked = set()
+    for question in (q for r in verdict.results for q in r.questions):
+        given = exercise.signature.bind(*question.arguments, **question.options).arguments
+        asked |= {name for name, value in options(exercise).items() if given.get(name, value) is not value}
+    assert asked == set(options(exercise))
 
 
 def test_another_seed_gives_other_inputs_and_the_same_seed_the_same():

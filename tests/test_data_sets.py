@@ -14,6 +14,7 @@ from click.testing import CliRunner
 from gpcourse import data_sets
 from gpcourse.cli import main
 from gpcourse.errors import DataError
+from gpcourse.geometry.scans import pebble, turntable
 
 POSES = b"camera 0 0 0\nbmesh bun000.ply 0 0 0 0 0 0 1\nbmesh bun045.ply 1 2 3 0 0 1 1\n"
 # Random bytes, so that the archive is long enough to break off in the middle.
@@ -73,7 +74,7 @@ def server(monkeypatch, tmp_path):
     with Server(("127.0.0.1", 0), Handler) as running:
         running.requests = []
         running.url = f"http://127.0.0.1:{running.server_address[1]}/bunny.tar.gz"
-        thread = threading.Thread(target=running.serve_forever, daemon=True)
+        thread = threading.Thread(target=running.serve_forever, args=(0.02,), daemon=True)
         thread.start()
         yield running
         running.shutdown()
@@ -157,7 +158,7 @@ def test_offline_the_command_says_what_to_do(server):
     assert seen.exit_code == 2
     assert "cannot be downloaded" in seen.output
     assert "save it as" in seen.output
-    assert "scans that the course makes itself" in seen.output
+    assert "scans that come with the course" in seen.output
     assert "Traceback" not in seen.output
 
 
@@ -170,21 +171,69 @@ def test_the_command_states_credit_and_licence(server):
 
 
 def test_a_pose_is_the_inverse_of_its_quaternion():
-    R, t = data_sets._read_poses(POSES.decode())["bun045"]
+    R, t = data_sets._read_poses(POSES.decode(), "bun.conf")["bun045"]
     # 0 0 1 1 is a turn by 90° about z, and is normalised first.
     assert np.allclose(R @ [0, 1, 0], [1, 0, 0], atol=1e-15)
     assert t.tolist() == [1, 2, 3]
 
 
-def test_without_the_bunny_there_are_five_made_scans(monkeypatch, tmp_path):
+@pytest.fixture
+def without_bunny(monkeypatch, tmp_path):
     monkeypatch.setenv(data_sets.FOLDER_VARIABLE, str(tmp_path))
-    scans = data_sets.range_scans()
-    assert len(scans) == 5
-    assert all("pebble" in scan.name for scan in scans)
+    return tmp_path
+
+
+def test_without_the_bunny_there_are_the_five_scans_of_the_course(without_bunny):
+    found = data_sets.range_scans()
+    assert [scan.name for scan in found] == ["pebble000", "pebble045", "pebble090", "pebble180", "pebble270"]
+
+
+def test_the_scans_of_the_course_are_those_that_the_virtual_scanner_makes(without_bunny):
+    made = turntable(pebble(6), pixels=90, noise=0.0005, rng=1)
+    for read, scan in zip(data_sets.range_scans(), made, strict=True):
+        assert np.abs(read.points - scan.points).max() < 0.6e-4  # four decimals
+        assert np.abs(read.R - scan.R).max() < 1e-8
+        assert np.abs(read.t - scan.t).max() < 1e-8
+        # The faces of the file may differ at a jump: its depths are rounded, and have noise.
+        assert len(read.faces) == pytest.approx(len(scan.faces), rel=0.01)
+        corners = read.points[read.faces]
+        facing = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2]
+        assert (facing > 0).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "message"),
+    [
+        ("pebble.conf", "bmesh pebble090", "bmesh other", "no pose of pebble090.ply"),
+        ("pebble.conf", "bmesh pebble045.ply ", "bmesh pebble045.ply x", "line 2 of pebble.conf"),
+        ("pebble180.ply", "\n1 7\n", "\n1 70000\n", "a pixel of pebble180.ply shows a"),
+        ("pebble180.ply", "\n1 7\n", "\n1 7.5\n", "a pixel of pebble180.ply shows a"),
+        ("pebble180.ply", "\n1 7\n", "\n2 7 8\n", "pebble180.ply has no grid of 90 × 90 pixels"),
+    ],
+)
+def test_damaged_scans_are_refused_by_the_name_of_the_file(tmp_path, name, old, new, message):
+    for file in data_sets.pebble_folder().iterdir():
+        text = file.read_text()
+        assert file.name != name or old in text
+        (tmp_path / file.name).write_text(text.replace(old, new) if file.name == name else text)
+    with pytest.raises(DataError, match=message):
+        data_sets.load_scans(tmp_path, data_sets.PEBBLE)
+
+
+def test_the_list_says_which_scans_the_notebook_opens(server):
+    seen = CliRunner().invoke(main, ["data", "list"]).output
+    assert str(data_sets.pebble_folder()) in seen
+    assert "opens the pebble" in seen
+    assert "gpcourse data fetch bunny" in seen
+    folder = data_sets.fetch_bunny(server.url)
+    seen = CliRunner().invoke(main, ["data", "list"]).output
+    assert str(folder) in seen
+    assert "opens the bunny" in seen
+    assert "Licence" in seen
 
 
 def test_the_real_scans_lie_on_one_another_at_their_poses(real):
-    made = data_sets.load_bunny(real / "bunny")
+    made = data_sets.load_scans(real / "bunny", data_sets.BUNNY)
     assert [scan.name for scan in made] == ["bun000", "bun045", "bun090", "bun180", "bun270"]
     assert [len(scan.points) for scan in made] == [40256, 40097, 30379, 40251, 31701]
     for scan in made:

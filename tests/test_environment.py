@@ -94,6 +94,16 @@ def test_conda_installs_what_pip_installs(project, environment):
     assert conda == pip
 
 
+def test_what_may_be_installed_besides_is_named_for_conda_too(project):
+    extras = [
+        line for name, lines in project["optional-dependencies"].items() if name != "test" for line in lines
+    ]
+    assert extras
+    text = (ROOT / "environment.yml").read_text(encoding="utf-8")
+    for line in extras:
+        assert f'# not needed, for larger meshes: pip install "{line}"' in text
+
+
 def test_conda_installs_the_course_itself_from_this_folder_and_nothing_else_with_pip(environment):
     (pip,) = [line["pip"] for line in environment["dependencies"] if isinstance(line, dict)]
     assert pip == ["-e ."]

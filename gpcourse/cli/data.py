@@ -1,4 +1,4 @@
-"""Fetching data that others made."""
+"""The scans of chapter 2: what is here, and how to get those of Stanford."""
 
 from __future__ import annotations
 
@@ -7,7 +7,22 @@ import click
 
 @click.group()
 def data() -> None:
-    """Scans made by others, for chapter 2. The course works without them, on scans of its own."""
+    """Range scans for chapter 2: those that come with the course, and those that others made."""
+
+
+@data.command("list")
+def list_() -> None:
+    """Say which scans there are, where they lie, and which ones the notebook opens."""
+    from gpcourse.data_sets import BUNNY_CREDIT, bunny_folder, pebble_folder
+
+    bunny, pebble = bunny_folder(), pebble_folder()
+    in_use = "pebble" if bunny is None else "bunny"
+    click.echo(f"pebble  five scans of a made object, part of the course, in {pebble}")
+    where = f"in {bunny}" if bunny else "not here; `gpcourse data fetch bunny` brings it"
+    click.echo(f"bunny   five scans of the Stanford bunny, {where}")
+    click.echo(f"\nChapter 2 opens the {in_use}.")
+    if bunny:
+        click.echo(BUNNY_CREDIT)
 
 
 @data.command()

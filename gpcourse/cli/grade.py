@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("submissions", type=click.Path(exists=True, file_okay=False, path_type=Path))
+@click.argument("submissions", type=click.Path(exists=True, path_type=Path))
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="The folder for the grade book.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Draws the inputs.")
 @click.option("--chapter", "chapters", multiple=True, help="Grade this chapter only, as 1 or halfedge.")
@@ -35,7 +35,10 @@ def grade(
     quiet: bool,
     as_json: bool,
 ) -> None:
-    """Grade a folder of SUBMISSIONS: a notebook a student, or a folder a student.
+    """Grade the SUBMISSIONS of a class: a folder with a notebook, a folder or a zip file a student.
+
+    Or what Moodle or Canvas give out for grading, the zip file as it is or unpacked; or the folder of a
+    course of nbgrader.
 
     The same seed gives the same grades, another seed other inputs. Exits with 0 when all were graded,
     whatever the grades, with 1 when a person has to look at one, and with 2 when nothing can be graded, as

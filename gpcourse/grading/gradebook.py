@@ -8,6 +8,7 @@ import json
 import os
 import re
 import tempfile
+import unicodedata
 import zlib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -16,6 +17,11 @@ from typing import Any
 from gpcourse.exercises import feedback
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.grading.judge import Judged, Report
+
+#: Bytes of a file name that come from a student's. File systems allow 255, the ending included.
+_LONGEST = 180
+#: What Windows takes for a device.
+_RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)", re.IGNORECASE)
 
 
 def grades_csv(reports: Sequence[Report], exercises: Sequence[Exercise]) -> str:
@@ -84,16 +90,27 @@ def _test(judged: Judged) -> dict[str, Any]:
 
 
 def file_names(students: Iterable[str]) -> dict[str, str]:
-    """Give each student a file name: plain characters, and no two alike even where case is ignored."""
+    """Give each student a file name: letters of any script, digits, - and _, and no two alike.
+
+    Names that differ in case only, or in the way an accent is written, are alike on some systems.
+    """
     names: dict[str, str] = {}
     taken: set[str] = set()
     for student in students:
-        name = re.sub(r"[^A-Za-z0-9_-]+", "-", student).strip("-")[:60]
-        if not name or name != student or name.lower() in taken:
-            name = f"{name or 'student'}-{zlib.crc32(student.encode('utf-8', 'replace')):08x}"
-        taken.add(name.lower())
+        plain = unicodedata.normalize("NFC", student.encode("utf-8", "replace").decode())
+        stem = re.sub(r"[^\w-]+", "-", plain).strip("-").encode()[:_LONGEST].decode(errors="ignore")
+        sure = stem and stem == student and not _RESERVED.fullmatch(stem)
+        name = stem if sure else _marked(stem, student)
+        while name.casefold() in taken:
+            plain += "*"
+            name = _marked(stem, plain)
+        taken.add(name.casefold())
         names[student] = name
     return names
+
+
+def _marked(stem: str, salt: str) -> str:
+    return f"{stem or 'student'}-{zlib.crc32(salt.encode('utf-8', 'replace')):08x}"
 
 
 def write(path: Path, text: str) -> None:

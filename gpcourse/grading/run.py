@@ -17,7 +17,7 @@ from gpcourse.exercises.exercise import Exercise
 from gpcourse.grading import gradebook, reports
 from gpcourse.grading.judge import Report, judge_submission
 from gpcourse.grading.junit import junit as junit_xml
-from gpcourse.grading.submission import Notebook, Submission, read_folder
+from gpcourse.grading.submission import Notebook, Submission, read_class
 from gpcourse.sandbox import confine, home
 from gpcourse.sandbox.line import Line
 from gpcourse.sandbox.lockdown import Level
@@ -83,7 +83,8 @@ def grade(
     Parameters
     ----------
     folder, out : path
-        A notebook a student, or a folder a student; and where the grade book goes, outside `folder`.
+        The submissions, as `submission.read_class` takes them; and where the grade book goes, outside
+        `folder`.
     seed : int
         Decides the inputs that the checks draw; 0 or more.
     chapters : sequence of str, optional
@@ -110,7 +111,7 @@ def grade(
     folder, out = Path(folder), Path(out)
     if seed < 0:
         raise UsageError(f"the seed is {seed}; give a whole number that is not negative")
-    submissions = read_folder(folder)
+    submissions = read_class(folder)
     _check_out(folder, out)
     chosen = (
         _named(chapters)

@@ -1,63 +1,54 @@
-"""Reading what students hand in.
-
-Files are read leniently: whatever is in one, a `Submission` comes out that says what could be read. JSON is
-read directly and not through nbformat, which refuses notebooks that a tool has damaged a little.
-"""
+"""What a class handed in: a `Submission` for each student, whatever the files are and wherever they lie."""
 
 from __future__ import annotations
 
-import codecs
-import json
 import re
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from gpcourse.errors import UsageError
+from gpcourse.grading.archives import (
+    MAX_DEPTH,
+    Budget,
+    Entry,
+    Unreadable,
+    folder_entries,
+    unzip,
+    zip_file,
+)
+from gpcourse.grading.naming import Claim, Owner, claims
+from gpcourse.grading.reading import SUFFIXES, Notebook, notebook, read_notebook, unreadable
 
-#: Larger files are not read. Stored pictures make notebooks of tens of megabytes.
-MAX_BYTES = 100 * 2**20
-SUFFIXES = (".ipynb", ".py")
+__all__ = ["Notebook", "Owner", "Submission", "read_class", "read_folder", "read_notebook"]
 
-_BOMS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
-_BETWEEN = re.compile(r"[,\s]*")
-_DEFINITION = re.compile(r"^(?:async\s+)?def\s+(\w{1,100})\s*\(|^(\w{1,100})\s*=[^=]", re.MULTILINE)
+#: What lies beside ``submitted`` in the folder of a course of nbgrader.
+_NBGRADER = ("nbgrader_config.py", "gradebook.db", "source", "release", "autograded")
+_ARCHIVES = (".zip", ".7z", ".rar", ".tar", ".gz", ".tgz", ".bz2", ".xz")
+#: hw.ipynb, hw-1.ipynb (Canvas, when handed in anew), hw (2).ipynb (a browser).
+_COUNTED = re.compile(r"(.*?)(?:-(\d{1,6})| ?\((\d{1,6})\))?", re.DOTALL)
+_GIVE = "give the folder or the zip file that holds the submissions"
+_TIMESTAMP = re.compile(r"\d{4}-\d\d-\d\d[ T][\w:.+/ -]{0,60}")
 
 
-@dataclass(frozen=True)
-class Notebook:
-    """The code cells of one file, each with its number among all cells, and what is to be said of them.
-
-    `readable` is False when nothing could be read, `damaged` True when the end is missing; the notes say
-    why.
-    """
-
-    name: str
-    cells: tuple[tuple[int, str], ...] = ()
-    notes: tuple[str, ...] = ()
-    readable: bool = True
-    damaged: bool = False
-
-    @property
-    def defines(self) -> frozenset[str]:
-        """The names that its text seems to define at the top level."""
-        found = (pair for _, source in self.cells for pair in _DEFINITION.findall(source))
-        return frozenset(a or b for a, b in found)
-
-    @property
-    def functions(self) -> frozenset[str]:
-        """Those of the names that are functions."""
-        found = (pair for _, source in self.cells for pair in _DEFINITION.findall(source))
-        return frozenset(a for a, _ in found if a)
+#: Whose a submission is that did not come with a class.
+UNKNOWN = Owner("")
 
 
 @dataclass(frozen=True)
 class Submission:
-    """All that one student handed in."""
+    """All that one student handed in.
+
+    `owner` is whose it is by the names of the files; `student` is the same name, with the platform's number
+    where two have one name. `remarks` are about the hand-in as a whole. `timestamp` is nbgrader's.
+    """
 
     student: str
     notebooks: tuple[Notebook, ...]
+    owner: Owner = UNKNOWN
+    remarks: tuple[str, ...] = ()
+    timestamp: str = ""
 
     @property
     def readable(self) -> bool:
@@ -73,161 +64,154 @@ class Submission:
     def notes(self) -> tuple[str, ...]:
         """What is to be said of the files; with their names where there are several."""
         many = len(self.notebooks) > 1
-        return tuple(f"{n.name}: {note}" if many else note for n in self.notebooks for note in n.notes)
+        about = (f"{n.name}: {note}" if many else note for n in self.notebooks for note in n.notes)
+        return (*self.remarks, *about)
 
     def holding(self, name: str) -> tuple[Notebook, ...]:
         """Return the notebooks that seem to define `name`."""
         return tuple(n for n in self.notebooks if name in n.defines)
 
 
-def read_folder(folder: Path) -> list[Submission]:
-    """Read the submissions in a folder: a notebook a student, or a folder a student, sorted by name.
+def read_class(place: Path) -> list[Submission]:
+    """Read the submissions of a class, sorted by student.
+
+    Parameters
+    ----------
+    place : path
+        A folder with a notebook, a folder or a zip file a student; what Moodle or Canvas give out for
+        grading, unpacked or the zip file as it is; nbgrader's folder ``submitted``, or the course's.
 
     Raises
     ------
     UsageError
-        If the folder is not there or holds no notebook.
+        If there is nothing there, or nothing that was handed in.
     """
+    if not place.exists():
+        raise UsageError(
+            f"{place} does not exist; give the folder or the zip file that holds the submissions"
+        )
+    if place.is_dir():
+        return read_folder(place)
+    try:
+        with zip_file(place) as entries:
+            return _submissions(_unwrapped(entries, place.stem), place)
+    except Unreadable as error:
+        raise UsageError(f"{place} is a file, but no zip file: {error}; {_GIVE}") from None
+
+
+def read_folder(folder: Path) -> list[Submission]:
+    """Read the submissions in a folder, as `read_class` does."""
     if not folder.is_dir():
         seen = "is a file" if folder.exists() else "does not exist"
-        raise UsageError(f"{folder} {seen}; give the folder that holds the submissions")
-    files: dict[str, list[Path]] = {}
-    for entry in sorted(folder.iterdir()):
-        if _hidden(entry):
-            continue
-        if entry.is_dir():
-            # A folder without a notebook is a student too: a row says that there is nothing to grade.
-            found = [] if entry.is_symlink() else sorted(_notebooks_in(entry))
-            files.setdefault(entry.name, []).extend(found)
-        elif entry.suffix.lower() in SUFFIXES:
-            files.setdefault(entry.stem, []).append(entry)
-    if not files:
+        raise UsageError(f"{folder} {seen}; {_GIVE}")
+    submitted = folder / "submitted"
+    if submitted.is_dir() and any((folder / name).exists() for name in _NBGRADER):
+        folder = submitted
+    return _submissions(list(folder_entries(folder)), folder)
+
+
+def _unwrapped(entries: list[Entry], stem: str) -> list[Entry]:
+    """Take away the folder that a class was packed in, if it is called like the zip file."""
+    tops = {entry.parts[0] for entry in entries}
+    files = any(len(entry.parts) == 1 and not entry.folder for entry in entries)
+    if len(tops) != 1 or files or not tops <= {stem, "submitted"}:
+        return entries
+    return [replace(entry, parts=entry.parts[1:]) for entry in entries if len(entry.parts) > 1]
+
+
+def _submissions(entries: list[Entry], place: Path) -> list[Submission]:
+    owned: dict[Owner, list[Claim]] = {}
+    for claim in claims(entries):
+        owned.setdefault(claim.owner, []).append(claim)
+    if not owned:
         raise UsageError(
-            f"{folder} holds no submissions; put a notebook a student into it, or a folder a student"
+            f"{place} holds no submissions; put a notebook a student into it, or a folder a student"
         )
-    return [Submission(student, _read_all(paths)) for student, paths in sorted(files.items())]
+    names = _names(list(owned))
+    found = [_submission(names[owner], owner, own) for owner, own in owned.items()]
+    return sorted(found, key=lambda submission: submission.student)
 
 
-def _hidden(path: Path) -> bool:
-    return path.name.startswith((".", "__"))
+def _names(owners: list[Owner]) -> dict[Owner, str]:
+    """Give each student a name of his or her own: with the platform's number where two have one name."""
+    often = Counter(owner.name for owner in owners)
+    names: dict[str, Owner] = {}
+    for owner in owners:
+        name = owner.name
+        if often[name] > 1:
+            name += f" ({owner.id or owner.platform or 'folder'})"
+        while name in names:
+            name += "*"
+        names[name] = owner
+    return {owner: name for name, owner in names.items()}
 
 
-def _notebooks_in(folder: Path) -> Iterator[Path]:
-    for path in folder.iterdir():
-        if _hidden(path) or path.is_symlink():
-            continue
-        if path.is_dir():
-            yield from _notebooks_in(path)
-        elif path.suffix.lower() in SUFFIXES:
-            yield path
+def _submission(student: str, owner: Owner, own: list[Claim]) -> Submission:
+    remarks = ["handed in late, says the platform"] if any(claim.late for claim in own) else []
+    roots = sorted({claim.root for claim in own})
+    if len(roots) > 1:
+        remarks.append(f"taken for one student's, and graded together: {', '.join(roots)}")
+    files = [claim for claim in own if not claim.entry.folder]
+    files.sort(key=lambda claim: (claim.order, _order(claim.entry)))
+    budget = Budget()
+    read = [n for claim in files for n in _notebooks(claim.entry, budget, 0)]
+    if not read:
+        others = ", ".join(sorted({claim.entry.name for claim in files})[:5])
+        note = f"there is no notebook, but {others}" if others else "the folder holds no notebook"
+        read = [unreadable("", note)]
+    return Submission(student, tuple(_once(read)), owner, tuple(remarks), _timestamp(files))
 
 
-def _read_all(paths: Iterable[Path]) -> tuple[Notebook, ...]:
-    notebooks = tuple(read_notebook(path) for path in paths)
-    return notebooks or (Notebook("", notes=("the folder holds no notebook",), readable=False),)
+def _order(entry: Entry) -> tuple[object, ...]:
+    """Sort by place; of files that differ in a number at the end only, the highest comes last."""
+    path = Path(entry.name)
+    match = _COUNTED.fullmatch(path.stem)
+    base, count = (match[1], int(match[2] or match[3] or 0)) if match else (path.stem, 0)
+    return entry.parts[:-1], base, count, path.suffix
 
 
-class _Unreadable(Exception):
-    """Why a file cannot be read."""
-
-
-def read_notebook(path: Path) -> Notebook:
-    """Read one file. It never raises: what cannot be read is said in the notes."""
-    try:
-        text, notes = _decode(_bytes_of(path))
-        if path.suffix.lower() == ".py":
-            return Notebook(path.name, tuple(_split(text)), notes)
-        content, damage = _parsed(text)
-        cells = _cells_of(content)
-    except _Unreadable as error:
-        return Notebook(path.name, notes=(f"the file cannot be read: {error}",), readable=False)
-    return Notebook(
-        path.name, tuple(_code(cells)), (*notes, *damage, *_misplaced(cells)), damaged=bool(damage)
-    )
-
-
-def _bytes_of(path: Path) -> bytes:
-    try:
-        if path.is_symlink():
-            raise _Unreadable("it is a link to another place")
-        if path.stat().st_size > MAX_BYTES:
-            raise _Unreadable(f"it is larger than {MAX_BYTES // 2**20} MB")
-        raw = path.read_bytes()
-    except OSError as error:
-        raise _Unreadable(error.strerror or "it cannot be opened") from None
-    if not raw.strip():
-        raise _Unreadable("it is empty")
-    return raw
-
-
-def _parsed(text: str) -> tuple[object, tuple[str, ...]]:
-    """Return what a file holds, or the cells before its damage, and what is to be said of it."""
-    try:
-        return json.loads(text), ()
-    except (ValueError, RecursionError) as error:
-        cells = list(_whole_cells(text))
-        if not cells:
-            raise _Unreadable(f"it is not a notebook ({str(error)[:80]})") from None
-        word = "one cell" if len(cells) == 1 else f"{len(cells)} cells"
-        return {"cells": cells}, (f"the file is damaged; {word} before the damage could be read",)
-
-
-def _whole_cells(text: str) -> Iterator[object]:
-    """Yield the cells of a notebook that can be read one by one, until one cannot."""
-    start = re.search(r'"cells"\s*:\s*\[', text)
-    at = start.end() if start else len(text)
-    decoder = json.JSONDecoder()
-    while gap := _BETWEEN.match(text, at):
+def _notebooks(entry: Entry, budget: Budget, depth: int) -> Iterator[Notebook]:
+    """Read a file, or the files in a zip file."""
+    name = "/".join(entry.parts)
+    if entry.suffix in SUFFIXES:
+        yield notebook(name, entry.read)
+    elif entry.suffix == ".zip":
         try:
-            cell, at = decoder.raw_decode(text, gap.end())
-        except (ValueError, RecursionError):
+            if depth > MAX_DEPTH:
+                raise Unreadable("it lies in too many other zip files")
+            inner = unzip(entry.read(), budget)
+        except Unreadable as error:
+            yield unreadable(name, f"the zip file cannot be read: {error}")
             return
-        yield cell
+        if sum(claim.owner.platform != "" for claim in claims(inner)) > 1:
+            yield unreadable(
+                name, "it looks like the zip file of a whole class: give that file itself, alone"
+            )
+        inner = [replace(each, parts=(*entry.parts, *each.parts)) for each in inner if not each.folder]
+        found = [n for each in sorted(inner, key=_order) for n in _notebooks(each, budget, depth + 1)]
+        yield from found or [unreadable(name, "the zip file holds no notebook")]
+    elif entry.suffix in _ARCHIVES:
+        yield unreadable(name, "it is not opened; ask for the notebook itself, or a zip file")
 
 
-def _decode(raw: bytes) -> tuple[str, tuple[str, ...]]:
-    encoding = next((name for bom, name in _BOMS.items() if raw.startswith(bom)), "utf-8")
+def _once(read: Sequence[Notebook]) -> Iterator[Notebook]:
+    """Of files of one name and place keep the last, as unpacking would; show short names if they differ."""
+    last = {each.name: each for each in read}
+    places = Counter(each.name for each in read)
+    short = Counter(name.rsplit("/", 1)[-1] for name in last)
+    for name, each in last.items():
+        notes = (
+            (f"there are {places[name]} files of this name; the last one counts",) if places[name] > 1 else ()
+        )
+        plain = name.rsplit("/", 1)[-1]
+        yield replace(each, name=plain if short[plain] == 1 else name, notes=(*notes, *each.notes))
+
+
+def _timestamp(files: Sequence[Claim]) -> str:
+    """Return what nbgrader wrote into timestamp.txt when it collected the work."""
+    stamps = [claim.entry for claim in files if claim.entry.name == "timestamp.txt"]
     try:
-        return raw.decode(encoding).replace("\r\n", "\n"), ()
-    except UnicodeDecodeError:
-        return raw.decode("latin-1").replace("\r\n", "\n"), ("the file is not UTF-8; read as Latin-1",)
-
-
-def _split(text: str) -> Iterator[tuple[int, str]]:
-    """Split a script at the marks that editors put between cells."""
-    parts = re.split(r"^(?=# ?%%|# In\[)", text, flags=re.MULTILINE)
-    return ((i, part) for i, part in enumerate((p for p in parts if p.strip()), start=1))
-
-
-def _cells_of(content: object) -> list[dict[str, Any]]:
-    """Find the cells of a notebook of format 4, or of format 3, which keeps them in worksheets."""
-    if not isinstance(content, dict):
-        raise _Unreadable("it is JSON, but not a notebook")
-    groups = [content]
-    if not isinstance(content.get("cells"), list):
-        sheets = content.get("worksheets")
-        groups = [sheet for sheet in sheets if isinstance(sheet, dict)] if isinstance(sheets, list) else []
-    lists = [group["cells"] for group in groups if isinstance(group.get("cells"), list)]
-    if not lists:
-        raise _Unreadable("it is JSON, but not a notebook")
-    return [cell for cells in lists for cell in cells if isinstance(cell, dict)]
-
-
-def _source(cell: dict[str, Any]) -> str:
-    source = cell.get("source", cell.get("input", ""))
-    if isinstance(source, list):
-        source = "".join(line for line in source if isinstance(line, str))
-    return source.replace("\r\n", "\n") if isinstance(source, str) else ""
-
-
-def _code(cells: list[dict[str, Any]]) -> Iterator[tuple[int, str]]:
-    numbered = enumerate(cells, start=1)
-    return ((i, _source(cell)) for i, cell in numbered if cell.get("cell_type") == "code")
-
-
-def _misplaced(cells: list[dict[str, Any]]) -> Iterator[str]:
-    """Say where a function stands in a cell that is not code."""
-    for i, cell in enumerate(cells, start=1):
-        found = re.match(r"def\s+(\w{1,100})\s*\(", _source(cell))
-        if found and cell.get("cell_type") != "code":
-            yield f"{found[1]} stands in cell {i}, which is not a code cell"
+        text = stamps[-1].read().decode("ascii", "replace").strip() if stamps else ""
+    except Unreadable:
+        return ""
+    return text if _TIMESTAMP.fullmatch(text) else ""

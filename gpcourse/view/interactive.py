@@ -2,19 +2,18 @@
 
 It is one element of HTML: a page of its own in a sandboxed frame, over the static picture of the same
 scene. Where frames are taken away, as in a notebook that is not trusted, the static picture is left. It
-asks the network for nothing, and forbids it to itself.
+asks the network for nothing, and forbids it to itself. A short script beside the frame tells it whether the
+page around is dark, since a sandboxed frame cannot look.
 """
 
 from __future__ import annotations
 
 import json
-import zlib
-from base64 import b64encode
 from functools import cache
 from html import escape
 from importlib.resources import files
 
-from gpcourse.view.packing import pack
+from gpcourse.view.packing import deflated, pack
 from gpcourse.view.scene import Scene
 
 #: Undoes the deflating of a part of the page, and runs the program.
@@ -44,31 +43,32 @@ def page(frames: tuple[Scene, ...], names: tuple[str, ...] = (), chooser: str = 
         '<!doctype html><html lang="en"><head><meta charset="utf-8">'
         f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
         f"<title>{escape(frames[0].alt)}</title><style>{_part('page.css')}</style></head><body>"
-        f'<script type="application/json" id="header">{_in_script(header)}</script>'
-        f'<script type="application/json" id="extra">{_in_script(extra)}</script>'
+        f'<script type="text/plain" id="header">{deflated(header.encode())}</script>'
+        f'<script type="text/plain" id="extra">{deflated(extra.encode())}</script>'
         f'<script type="text/plain" id="block">{block}</script>'
         f'<script type="text/plain" id="program">{_program()}</script>'
         f"<script>{_LOADER}</script></body></html>"
     )
 
 
-def framed(document: str, image: str) -> str:
-    """Return the page in a sandboxed frame over `image`, an element of HTML that gives the size."""
+def framed(document: str, image: str, least_height: int = 260) -> str:
+    """Return the page in a sandboxed frame over `image`, an element of HTML that gives the size.
+
+    `least_height` is in pixels.
+    """
+    style = f"position:relative;display:inline-block;max-width:100%;min-height:{least_height}px"
     return (
-        f'<div style="position:relative;display:inline-block;max-width:100%;min-height:260px">{image}'
+        f'<div style="{style}">{image}'
         '<iframe sandbox="allow-scripts" allow="fullscreen" title="The same picture, to be turned" '
         'style="position:absolute;inset:0;width:100%;height:100%;border:0" '
-        f'srcdoc="{escape(document, quote=True)}"></iframe></div>'
+        f'srcdoc="{escape(document, quote=True)}"></iframe></div><script>{_part("around.js")}</script>'
     )
-
-
-def _in_script(text: str) -> str:
-    return text.replace("<", "\\u003c")  # a title must not end the element
 
 
 @cache
 def _program() -> str:
-    return b64encode(zlib.compress(_part("page.js").encode(), 9)).decode("ascii")
+    parts = "".join(map(_part, ("shaders.js", "labels.js", "page.js", "start.js")))
+    return deflated(parts.encode())
 
 
 @cache

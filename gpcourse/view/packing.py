@@ -47,7 +47,12 @@ class Block:
 
     def base64(self) -> str:
         """Return all of it, deflated."""
-        return b64encode(zlib.compress(b"".join(self.parts), 9)).decode("ascii")
+        return deflated(b"".join(self.parts))
+
+
+def deflated(data: bytes) -> str:
+    """Return `data` deflated, in the letters of base64."""
+    return b64encode(zlib.compress(data, 9)).decode("ascii")
 
 
 def pack(frames: tuple[Scene, ...]) -> tuple[str, str]:
@@ -100,14 +105,17 @@ def _camera(panels: list[Panel]) -> dict[str, Any]:
 
 
 def _frame(scene: Scene, boxes: list[tuple[FloatArray, float]], block: Block) -> list[dict[str, Any]]:
-    found = zip(scene.panels, boxes, scene.scales(), strict=True)
+    scales = scene.scales()
+    last = max((i for i, scale in enumerate(scales) if scale is not None), default=-1)
+    found = zip(scene.panels, boxes, scales, strict=True)
     return [
         {
             "title": panel.title,
             "scale": None if scale is None else _scale(scale),
+            "bar": scale is not None and (not scene.shared_scale or i == last),
             "layers": [_layer(layer, box, block) for layer in panel.layers],
         }
-        for panel, box, scale in found
+        for i, (panel, box, scale) in enumerate(found)
     ]
 
 
@@ -131,27 +139,29 @@ def _layer(layer: Layer, box: tuple[FloatArray, float], block: Block) -> dict[st
             return _mesh(layer, places(layer.vertices), block)
         case Points():
             valued = {} if layer.values is None else {"values": _values(layer.values, block)}
-            return (
-                {"kind": "points", "at": places(layer.positions), "colours": layer.colours}
-                | valued
-                | {"size": layer.size}
-            )
+            return {
+                "kind": "points", "at": places(layer.positions), "colours": _few(layer.colours),
+                "size": layer.size, "hidden": layer.hidden,
+            } | valued  # fmt: skip
         case Arrows():
+            sides = layer.label_sides
             return {
                 "kind": "arrows", "tails": places(layer.tails), "heads": places(layer.heads),
-                "colours": layer.colours, "width": layer.width, "texts": layer.labels,
+                "colours": _few(layer.colours), "width": layer.width, "texts": layer.labels,
+                "sides": None if sides is None else block.add(_directions(sides), "u1"),
+                "hidden": layer.hidden,
             }  # fmt: skip
         case Curves():
             lines = [np.concatenate([x, x[:1]]) if layer.closed and len(x) else x for x in layer.lines]
             points = np.concatenate([np.zeros((0, 3)), *lines])
             return {
                 "kind": "curves", "at": places(points), "lengths": [len(line) for line in lines],
-                "colours": layer.colours, "width": layer.width,
+                "colours": _few(layer.colours), "width": layer.width, "hidden": layer.hidden,
             }  # fmt: skip
         case Labels():
             return {
                 "kind": "labels", "at": places(layer.positions), "texts": layer.texts,
-                "colours": layer.colours, "beside": layer.place == "beside",
+                "colours": _few(layer.colours), "place": layer.place, "hidden": layer.hidden,
             }  # fmt: skip
 
 
@@ -159,7 +169,7 @@ def _mesh(mesh: Mesh, vertices: dict[str, Any], block: Block) -> dict[str, Any]:
     corners, sizes = mesh.polygons
     found: dict[str, Any] = {
         "kind": "mesh", "at": vertices, "corners": block.add(*_differences(corners, len(mesh.vertices))),
-        "smooth": mesh.smooth, "edges": mesh.edges, "colour": mesh.colour,
+        "smooth": mesh.smooth, "edges": mesh.edges, "behind": mesh.hidden_edges, "colour": mesh.colour,
     }  # fmt: skip
     uniform = len(sizes) > 0 and bool((sizes == sizes[0]).all())
     found["sizes"] = int(sizes[0]) if uniform else block.add(sizes, "u2")
@@ -176,6 +186,17 @@ def _differences(corners: IntArray, count: int) -> tuple[IntArray, str]:
     kind, width = ("u2", 2**16) if count < 2**16 else ("u4", 2**32)
     earlier = np.concatenate([np.zeros(3, dtype=np.int64), corners])[: len(corners)]
     return (corners - earlier) % width, kind
+
+
+def _few(colours: tuple[str, ...]) -> tuple[str, ...]:
+    """Return one colour where all are equal; the page repeats it."""
+    return colours[:1] if len(set(colours)) == 1 else colours
+
+
+def _directions(vectors: FloatArray) -> FloatArray:
+    """Return directions of space as whole numbers 0 … 254, 127 for nothing."""
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.rint(127 * (1 + vectors / np.where(length > 0, length, 1.0)))
 
 
 def _values(values: FloatArray, block: Block) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gpcourse.data_sets import load_bunny
+from gpcourse.data_sets import BUNNY, load_scans
 from gpcourse.errors import ArrayError, GeometryError
 from gpcourse.geometry import scans, shapes
 from gpcourse.reference.registration import (
@@ -591,7 +591,7 @@ def test_coarse_rounds_of_few_points_are_left_out():
 
 @pytest.fixture(scope="module")
 def bunny(real):
-    return load_bunny(real / "bunny")
+    return load_scans(real / "bunny", BUNNY)
 
 
 def middle_moves(scan, R, t, S, u):

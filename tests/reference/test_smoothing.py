@@ -1,5 +1,7 @@
 """Chapter 6's reference: what it offers, and what it refuses by name. Its facts are in the folder."""
 
+import sys
+
 import numpy as np
 import pytest
 from scipy import sparse
@@ -136,12 +138,38 @@ def test_dense_matrices_are_as_good_as_sparse_ones():
     np.testing.assert_array_equal(dense, smoothing.heat_step(C, M, f, 0.1))
 
 
-def test_a_matrix_that_is_not_positive_definite_is_refused_by_both_solvers():
+@pytest.fixture(params=["cholmod", "superlu"])
+def backend(request, monkeypatch):
+    """Each of the two libraries that can factor a matrix."""
+    if request.param == "cholmod":
+        pytest.importorskip("cholespy", reason="the extra gpcourse[cholmod] is not installed")
+    else:
+        monkeypatch.setitem(sys.modules, "cholespy", None)  # an import of it fails
+    return request.param
+
+
+def test_every_factor_solves_to_rounding_and_agrees_with_conjugate_gradients(backend):
+    torus = shapes.torus(24, 12)
+    C, M = smoothing.cotangent_matrix(*torus), smoothing.mass_matrix(*torus)
+    A = sparse.csr_array(M - 0.1 * C)
+    b = M @ np.asarray(torus.vertices)
+    solve = factorized(A)
+    dense = np.linalg.solve(A.toarray(), b)
+    np.testing.assert_allclose(solve(b), dense, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(solve(np.asfortranarray(b)), dense, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(solve(b[:, 1]), dense[:, 1], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(conjugate_gradients(A, b, 0 * b), dense, rtol=0, atol=1e-8)
+
+
+def test_what_is_not_positive_definite_has_no_factor(backend):
     with pytest.raises(SingularSystemError, match="singular"):
         factorized(sparse.csr_array((3, 3)))
     saddle = sparse.csr_array([[1e-20, 1, 1], [1, 1e-20, 2], [1, 2, 1e-20]])  # no pivots on the diagonal
     with pytest.raises(SingularSystemError, match="not positive definite"):
         factorized(saddle)(np.array([1.0, 2.0, 3.0]))
+
+
+def test_conjugate_gradients_refuse_what_is_not_positive_definite():
     with pytest.raises(SingularSystemError, match="diagonal"):
         conjugate_gradients(C, np.ones(N), np.zeros(N))
     with pytest.raises(SingularSystemError, match="converged"):

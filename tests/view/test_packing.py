@@ -79,7 +79,9 @@ def test_indices_get_32_bits_where_16_are_too_few():
 def test_pages_are_small(rings, sides, most):
     torus = shapes.torus(rings, sides)
     assert len(torus.faces) == 2 * rings * sides
-    assert len(view.mesh(torus, torus.vertices[:, 2]).page()) < most
+    picture = view.mesh(torus, torus.vertices[:, 2])
+    assert len(picture.page()) < most
+    assert len(picture.html()) < most  # with the still image beneath
 
 
 def test_quantising_stays_in_its_range():
@@ -87,8 +89,9 @@ def test_quantising_stays_in_its_range():
 
 
 def test_a_title_cannot_leave_its_place():
-    page = view.mesh(shapes.cube(), title="</script><script>alert(1)</script>").page()
-    assert "alert(1)</script>" not in page
+    words = "</script><script>alert(1)</script>"
+    assert "<script>alert" not in view.mesh(shapes.cube(), title=words).page()
+    assert "<script>alert" not in view.mesh(shapes.cube(), {words: np.arange(8.0)}).page()
     assert "<script>alert" not in view.mesh(shapes.cube(), alt="<script>alert(1)</script>").html()
 
 

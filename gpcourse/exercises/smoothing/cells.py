@@ -445,6 +445,24 @@ def _(f: Asked, rng: Rng) -> None:
         expecting.matrix(value, np.diag(truths.mixed_areas(shape.vertices, faces_of(shape))), on=on)
 
 
+@MASS_MATRIX.check("the cells that are named")
+def _(f: Asked, rng: Rng) -> None:
+    shape = bounded(rng)
+    names = [str(name) for name in rng.permutation(list(truths.CELLS))]
+    answers = [f(shape.vertices, faces_of(shape), cells=name) for name in names]
+    for i, (value, name) in enumerate(zip(answers, names, strict=True)):
+        f.about = i
+        truth = np.diag(truths.CELLS[name](shape.vertices, faces_of(shape)))
+        expecting.matrix(value, truth, on=f"a mesh with holes and obtuse angles, cells={name!r}")
+
+
+@MASS_MATRIX.check("refuses cells that there are not")
+def _(f: Asked, rng: Rng) -> None:
+    shape = closed(rng)
+    because = "there are no cells of the name 'hexagonal'"
+    expect.refusal(f, shape.vertices, faces_of(shape), cells="hexagonal", because=because)
+
+
 @MASS_MATRIX.check("1ᵀM1 is the area of the surface")
 def _(f: Asked, rng: Rng) -> None:
     start, scale = apart(rng), float(rng.choice([0.01, 100.0]))
@@ -457,16 +475,16 @@ def _(f: Asked, rng: Rng) -> None:
 
 
 @MASS_MATRIX.variant("a dense diagonal matrix")
-def _(vertices: FloatArray, faces: IntArray) -> Any:
-    return np.diag(truths.mixed_areas(vertices, faces))
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
+    return np.diag(truths.cells(vertices, faces, cells))
 
 
 @MASS_MATRIX.variant("set entry by entry in DOK format, in single precision")
-def _(vertices: FloatArray, faces: IntArray) -> Any:
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
     from scipy import sparse
 
     M: Any = sparse.dok_array((len(vertices), len(vertices)), dtype=np.float32)
-    for i, area in enumerate(truths.mixed_areas(vertices, faces)):
+    for i, area in enumerate(truths.cells(vertices, faces, cells)):
         M[i, i] = area
     return M
 
@@ -475,46 +493,63 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
     "the inverse of M was returned",
     hint="Which of M and its inverse grows when the mesh grows?",
 )
-def _(vertices: FloatArray, faces: IntArray) -> Any:
-    return np.diag(1 / truths.mixed_areas(vertices, faces))
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
+    return np.diag(1 / truths.cells(vertices, faces, cells))
 
 
 @MASS_MATRIX.mistake(
     "the areas were returned as a vector, not as a matrix",
     hint="What shape has a matrix that stands beside C?",
 )
-def _(vertices: FloatArray, faces: IntArray) -> Any:
-    return truths.mixed_areas(vertices, faces)
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
+    return truths.cells(vertices, faces, cells)
 
 
 @MASS_MATRIX.mistake(
     "barycentric cells were used where mixed ones are the default",
     hint="Which cells does your function use when nothing is said about them?",
 )
-def _(vertices: FloatArray, faces: IntArray) -> Any:
-    return np.diag(truths.third_areas(vertices, faces))
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "barycentric") -> Any:
+    return np.diag(truths.cells(vertices, faces, cells))
 
 
 @MASS_MATRIX.mistake(
     "Voronoi cells were used where mixed ones are the default",
     hint="Which cells does your function use when nothing is said about them? Try an obtuse triangle.",
 )
-def _(vertices: FloatArray, faces: IntArray) -> Any:
-    return np.diag(_eighths(vertices, faces, truths.cotangents(vertices, faces)))
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "voronoi") -> Any:
+    return np.diag(truths.cells(vertices, faces, cells))
 
 
 @MASS_MATRIX.mistake(
     "the areas were doubled, as in §11 of the notes, where C has no ½",
     hint="The notes write the ½ either into C (§8) or into M (§11). Which of the two do we follow?",
 )
-def _(vertices: FloatArray, faces: IntArray) -> Any:
-    return np.diag(2 * truths.mixed_areas(vertices, faces))
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
+    return np.diag(2 * truths.cells(vertices, faces, cells))
 
 
 @MASS_MATRIX.mistake(
     "the areas were divided by their sum",
     hint="1ᵀM1 should be the area of the surface. What is it for your matrix?",
 )
-def _(vertices: FloatArray, faces: IntArray) -> Any:
-    areas = truths.mixed_areas(vertices, faces)
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
+    areas = truths.cells(vertices, faces, cells)
     return np.diag(areas / areas.sum())
+
+
+@MASS_MATRIX.mistake(
+    "`cells` was not used: the cells are always mixed",
+    hint="Three functions give areas of cells. Which of them does your function call for which name?",
+)
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
+    truths.cells(vertices, faces, cells)
+    return np.diag(truths.mixed_areas(vertices, faces))
+
+
+@MASS_MATRIX.mistake(
+    "a name that there is not was taken for the default",
+    hint='Somebody writes `cells="vornoi"`. What should your function do, and what does it do?',
+)
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
+    return np.diag(truths.cells(vertices, faces, cells if cells in truths.CELLS else "mixed"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -329,19 +330,53 @@ def _(f: Asked, rng: Rng) -> None:
     expect.close(after, before, ITERATED * size, "The centre of the surface", on=on, picture=picture)
 
 
+@IMPLICIT_STEP.check("either solver: both give the same positions", points=2)
+def _(f: Asked, rng: Rng) -> None:
+    shape = bounded(rng)
+    shape = shape.moved(-shape.vertices.mean(axis=0))
+    C, M = matrices(shape)
+    # Large steps: the matrix is then far from one that conjugate gradients solve at once.
+    lam = float(M.diagonal().mean() * rng.uniform(50.0, 500.0))
+    answers = [f(shape.vertices, C, M, lam, solver=solver) for solver in ("cg", "cholesky")]
+    truth = _step(shape.vertices, C, M, lam)
+    for i, (value, solver) in enumerate(zip(answers, ("cg", "cholesky"), strict=True)):
+        f.about = i
+        on = f'a mesh with holes, solver="{solver}"'
+        mine = expect.array(value, truth.shape, "The array of positions", on=on)
+        size = float(np.ptp(shape.vertices, axis=0).max())
+        picture = pictures.of_positions(shape.vertices, mine, truth, faces_of(shape))
+        handout = pictures.of_own_positions(shape.vertices, mine, faces_of(shape))
+        what = "The position of a vertex"
+        expect.close(mine, truth, ITERATED * size, what, on=on, picture=picture, handout=handout)
+
+
+@IMPLICIT_STEP.check("refuses a solver that there is not")
+def _(f: Asked, rng: Rng) -> None:
+    shape = sphere(rng)
+    because = "there is no solver of the name 'gauss'"
+    expect.refusal(f, shape.vertices, *matrices(shape), 0.1, solver="gauss", because=because)
+
+
 def _step(P: FloatArray, C: Any, M: Any, lam: float) -> FloatArray:
     system = truths.dense(M) - lam * truths.dense(C)
     return np.asarray(np.linalg.solve(system, M @ P))
 
 
+def _refuse_other(solver: str) -> None:
+    if solver not in ("cholesky", "cg"):
+        raise ValueError(f"there is no solver {solver!r}")
+
+
 @IMPLICIT_STEP.variant("a dense Cholesky factor")
-def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "cholesky") -> Any:
+    _refuse_other(solver)
     factor = np.linalg.cholesky(truths.dense(M) - lam * truths.dense(C))
     return np.linalg.solve(factor.T, np.linalg.solve(factor, M @ vertices))
 
 
 @IMPLICIT_STEP.variant("conjugate gradients, one coordinate at a time, as columns of a list")
-def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cg") -> Any:
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "cg") -> Any:
+    _refuse_other(solver)
     from scipy.sparse.linalg import cg
 
     right = (M @ vertices).T
@@ -350,7 +385,8 @@ def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cg") -> A
 
 
 @IMPLICIT_STEP.variant("the unsymmetric form, in single precision")
-def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "cholesky") -> Any:
+    _refuse_other(solver)
     L = truths.dense(C) / M.diagonal()[:, None]
     return np.linalg.solve(np.eye(len(L)) - lam * L, vertices).astype(np.float32)
 
@@ -359,7 +395,8 @@ def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky"
     "the identity stands where the mass matrix belongs",
     hint="C is integrated over cells. What must stand beside it so that both have the same units?",
 )
-def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "cholesky") -> Any:
+    _refuse_other(solver)
     return np.linalg.solve(np.eye(len(vertices)) - lam * truths.dense(C), vertices)
 
 
@@ -367,7 +404,8 @@ def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky"
     "the right-hand side was not multiplied by M",
     hint="What should a step of 0 do? And what does yours do?",
 )
-def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "cholesky") -> Any:
+    _refuse_other(solver)
     return np.linalg.solve(truths.dense(M) - lam * truths.dense(C), vertices)
 
 
@@ -375,7 +413,8 @@ def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky"
     "the sign of C is the wrong way round",
     hint="C is negative semi-definite. Which sign makes the matrix positive definite?",
 )
-def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "cholesky") -> Any:
+    _refuse_other(solver)
     return _step(vertices, C, M, -lam)
 
 
@@ -383,7 +422,8 @@ def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky"
     "the step is explicit",
     hint="Is the Laplacian taken of the old or of the new positions? Try a huge step.",
 )
-def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "cholesky") -> Any:
+    _refuse_other(solver)
     return vertices + lam * (C @ vertices) / M.diagonal()[:, None]
 
 
@@ -391,7 +431,8 @@ def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky"
     "boundary rows were set to zero: the boundary collapses to the origin",
     hint="Nothing is fixed in this step. What does the row of a boundary vertex say?",
 )
-def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "cholesky") -> Any:
+    _refuse_other(solver)
     D, right = truths.dense(C), M @ vertices
     # The ends of an edge with a single face have one common neighbour, as a rule; others have two or more.
     linked = (D != 0) & ~np.eye(len(D), dtype=bool)
@@ -407,7 +448,8 @@ def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky"
     "only the first coordinate was smoothed",
     hint="Positions have three columns. What has happened to y and z?",
 )
-def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "cholesky") -> Any:
+    _refuse_other(solver)
     return np.column_stack([_step(vertices, C, M, lam)[:, 0], vertices[:, 1:]])
 
 
@@ -415,9 +457,42 @@ def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky"
     "M was divided out once more: C stands beside M, divided by the areas",
     hint="Which matrix goes with M, C or M⁻¹C? Is yours symmetric?",
 )
-def _(vertices: FloatArray, C: Any, M: Any, lam: float, solver: str = "cholesky") -> Any:
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "cholesky") -> Any:
+    _refuse_other(solver)
     L = truths.dense(C) / M.diagonal()[:, None]
     return np.linalg.solve(truths.dense(M) - lam * L, M @ vertices)
+
+
+@IMPLICIT_STEP.mistake(
+    "conjugate gradients were given a matrix that is not symmetric",
+    hint="Conjugate gradients are for symmetric positive definite matrices. Which form of the step has one?",
+)
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "cholesky") -> Any:
+    from scipy.sparse.linalg import cg
+
+    _refuse_other(solver)
+    if solver == "cholesky":
+        return _step(vertices, C, M, lam)
+    system = np.eye(len(vertices)) - lam * truths.dense(C) / M.diagonal()[:, None]
+    return np.column_stack([cg(system, x)[0] for x in vertices.T])
+
+
+@IMPLICIT_STEP.mistake(
+    "conjugate gradients solved for the first coordinate only",
+    hint="`cg` takes one right-hand side. How many has the step?",
+)
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "cholesky") -> Any:
+    _refuse_other(solver)
+    after = _step(vertices, C, M, lam)
+    return after if solver == "cholesky" else after[:, 0]
+
+
+@IMPLICIT_STEP.mistake(
+    "a solver that there is not was taken for the default",
+    hint='Somebody writes `solver="colesky"`. What should your function do, and what does it do?',
+)
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "cholesky") -> Any:
+    return _step(vertices, C, M, lam)
 
 
 # Whole flows ------------------------------------------------------------------------------------
@@ -443,13 +518,33 @@ LINEAR_DIFFUSION = Exercise(
 )
 
 
-def _flow(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep: bool) -> FloatArray:
-    """Follow `steps` implicit steps, with matrices of the start (`keep`) or of each step."""
+def _volume(P: FloatArray, faces: IntArray) -> float:
+    """Return the volume inside a closed surface, or refuse one with holes."""
+    if truths.boundary_edges(faces):
+        raise ValueError("the surface is open: it encloses no volume")
+    return float(np.linalg.det(P[faces] - P.mean(axis=0)).sum() / 6)
+
+
+def _grown(P: FloatArray, faces: IntArray, volume: float, power: float = 1 / 3) -> FloatArray:
+    """Scale a surface about the mean of its vertices to enclose the volume."""
+    centre = P.mean(axis=0)
+    return np.asarray(centre + (volume / _volume(P, faces)) ** power * (P - centre))
+
+
+def _flow(
+    vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep: bool, volume: bool = False
+) -> FloatArray:
+    """Follow `steps` implicit steps, with matrices of the start (`keep`) or of each step.
+
+    With `volume` the surface encloses as much after each step as at the start.
+    """
     P = vertices
+    start = _volume(P, faces) if volume else 0.0
     for i in range(steps):
         if i == 0 or not keep:
             C, areas = truths.stiffness(P, faces), truths.mixed_areas(P, faces)
         P = np.asarray(np.linalg.solve(np.diag(areas) - lam * C, areas[:, None] * P), dtype=float)
+        P = _grown(P, faces, start) if volume else P
     return P
 
 
@@ -505,15 +600,17 @@ def _declare_flow(exercise: Exercise, claim: str, keep: bool) -> None:
         expecting.positions(value, truth, shape, on="a mesh with holes")
 
     @exercise.variant("dense matrices")
-    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int) -> Any:
-        return _flow(vertices, faces, lam, steps, keep=keep)
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
+        return _flow(vertices, faces, lam, steps, keep=keep, volume=keep_volume)
 
     @exercise.variant("the inverse of I − λM⁻¹C, in single precision at the end")
-    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int) -> Any:
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
         P, surface = vertices, vertices
+        start = _volume(P, faces) if keep_volume else 0.0
         for _ in range(steps):
             surface = vertices if keep else P
             P = np.linalg.inv(np.eye(len(P)) - lam * truths.laplacian(surface, faces)) @ P
+            P = _grown(P, faces, start) if keep_volume else P
         return P.astype(np.float32)
 
     other = (
@@ -529,42 +626,44 @@ def _declare_flow(exercise: Exercise, claim: str, keep: bool) -> None:
     )
 
     @exercise.mistake(other[0], hint=other[1])
-    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int) -> Any:
-        return _flow(vertices, faces, lam, steps, keep=not keep)
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
+        return _flow(vertices, faces, lam, steps, keep=not keep, volume=keep_volume)
 
     @exercise.mistake(
         "one step of the whole time was made",
         hint="Is one implicit step of 3λ the same as three of λ? Try it on a sphere.",
     )
-    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int) -> Any:
-        return _flow(vertices, faces, lam * steps, min(steps, 1), keep=keep)
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
+        return _flow(vertices, faces, lam * steps, min(steps, 1), keep=keep, volume=keep_volume)
 
     @exercise.mistake(
         "every step started from the first positions",
         hint="What does the second step of your loop start from?",
     )
-    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int) -> Any:
-        return _flow(vertices, faces, lam, min(steps, 1), keep=keep)
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
+        return _flow(vertices, faces, lam, min(steps, 1), keep=keep, volume=keep_volume)
 
     @exercise.mistake("one step too many was made", hint="How many times does your loop run for `steps = 0`?")
-    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int) -> Any:
-        return _flow(vertices, faces, lam, steps + 1, keep=keep)
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
+        return _flow(vertices, faces, lam, steps + 1, keep=keep, volume=keep_volume)
 
     @exercise.mistake(
         "the surface flows backwards",
         hint="Which sign of C makes the matrix positive definite? A sphere should shrink.",
     )
-    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int) -> Any:
-        return _flow(vertices, faces, -lam, steps, keep=keep)
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
+        return _flow(vertices, faces, -lam, steps, keep=keep, volume=keep_volume)
 
     @exercise.mistake(
         "the uniform Laplacian was used",
         hint="The uniform Laplacian knows nothing of lengths. Do spheres of any size shrink alike?",
     )
-    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int) -> Any:
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
         L, P = truths.mean_of_neighbours(faces, len(vertices)), vertices
+        start = _volume(P, faces) if keep_volume else 0.0
         for _ in range(steps):
             P = np.asarray(np.linalg.solve(np.eye(len(P)) - lam * L, P), dtype=float)
+            P = _grown(P, faces, start) if keep_volume else P
         return P
 
 
@@ -576,3 +675,93 @@ _declare_flow(
     "a sphere shrinks by the same factor 1 + 2λ/R² in each step, R that of the start",
     keep=True,
 )
+
+
+# Keeping the volume, of the flow by mean curvature only.
+
+
+@MEAN_CURVATURE_FLOW.check("with keep_volume, as much is inside after each step as before", points=2)
+def _(f: Asked, rng: Rng) -> None:
+    ball = sphere(rng, float(rng.choice([0.01, 1.0, 100.0])))
+    size = float(np.ptp(ball.vertices, axis=0).max())
+    bumpy = ball.vertices * rng.uniform(0.8, 1.2, (len(ball.vertices), 1)) + size * rng.uniform(1, 2, 3)
+    faces, lam = faces_of(ball), 0.003 * size**2
+    shape = replace(ball, vertices=bumpy)
+    answers = [f(bumpy, faces, lam, steps, keep_volume=True) for steps in (1, 4)]
+    start = _volume(bumpy, faces)
+    for i, (value, steps) in enumerate(zip(answers, (1, 4), strict=True)):
+        f.about = i
+        on = f"a bumpy sphere, steps={steps}, keep_volume=True"
+        mine = expect.array(value, bumpy.shape, "The array of positions", on=on)
+        truth = _flow(bumpy, faces, lam, steps, keep=False, volume=True)
+        own = pictures.of_own_positions(bumpy, mine, faces)
+        expect.close(_volume(mine, faces), start, 100 * SOLVED * start, "The volume", on=on, picture=own)
+        # Whichever centre it is scaled about: that moves the surface, and by little.
+        moved = mine.mean(axis=0) - bumpy.mean(axis=0)
+        message = "The surface has moved: it was not scaled about its centre."
+        expect.that(float(np.abs(moved).max()) <= 0.1 * size, message, on=on, picture=own)
+        expecting.positions(mine + (truth - mine).mean(axis=0), truth, shape, on=on)
+
+
+@MEAN_CURVATURE_FLOW.check("with keep_volume, refuses a surface with holes")
+def _(f: Asked, rng: Rng) -> None:
+    shape = bounded(rng)
+    faces = faces_of(shape)
+    lam = 0.02 * float(truths.mixed_areas(shape.vertices, faces).min())
+    because = "a surface with holes encloses no volume that could be kept"
+    expect.refusal(f, shape.vertices, faces, lam, 1, keep_volume=True, because=because)
+
+
+@MEAN_CURVATURE_FLOW.mistake(
+    "`keep_volume` was not used",
+    hint="How much is inside the surface before the flow, and how much after it?",
+)
+def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
+    if keep_volume:
+        _volume(vertices, faces)
+    return _flow(vertices, faces, lam, steps, keep=False)
+
+
+@MEAN_CURVATURE_FLOW.mistake(
+    "a surface with holes was not refused where its volume should be kept",
+    hint="Water runs out of a surface with holes. What is the volume inside it?",
+)
+def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
+    keep = keep_volume and not truths.boundary_edges(faces)
+    return _flow(vertices, faces, lam, steps, keep=False, volume=keep)
+
+
+@MEAN_CURVATURE_FLOW.mistake(
+    "the surface was scaled by the ratio of the volumes, not by its cube root",
+    hint="When all lengths are doubled, what becomes of the volume?",
+)
+def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
+    if not keep_volume:
+        return _flow(vertices, faces, lam, steps, keep=False)
+    P, start = vertices, _volume(vertices, faces)
+    for _ in range(steps):
+        P = _grown(_flow(P, faces, lam, 1, keep=False), faces, start, power=1.0)
+    return P
+
+
+@MEAN_CURVATURE_FLOW.mistake(
+    "the surface was scaled about the origin",
+    hint="Where does a surface far from the origin go when all its coordinates are doubled?",
+)
+def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
+    P = vertices
+    start = _volume(P, faces) if keep_volume else 0.0
+    for _ in range(steps):
+        P = _flow(P, faces, lam, 1, keep=False)
+        P = np.cbrt(start / _volume(P, faces)) * P if keep_volume else P
+    return P
+
+
+@MEAN_CURVATURE_FLOW.mistake(
+    "the surface was scaled once, after the last step",
+    hint="A small sphere shrinks faster than a large one. What does the flow do until you scale?",
+)
+def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
+    start = _volume(vertices, faces) if keep_volume else 0.0
+    P = _flow(vertices, faces, lam, steps, keep=False)
+    return _grown(P, faces, start) if keep_volume else P

@@ -478,16 +478,27 @@ def _(f: Asked, rng: Rng) -> None:
         expecting.matrix(value, truths.laplacian(shape.vertices, faces_of(shape)), on=on)
 
 
+@LAPLACIAN.check("the cells that are named")
+def _(f: Asked, rng: Rng) -> None:
+    shape = bounded(rng)
+    names = [str(name) for name in rng.permutation(list(truths.CELLS))]
+    answers = [f(shape.vertices, faces_of(shape), cells=name) for name in names]
+    for i, (value, name) in enumerate(zip(answers, names, strict=True)):
+        f.about = i
+        truth = truths.laplacian(shape.vertices, faces_of(shape), name)
+        expecting.matrix(value, truth, on=f"a mesh with holes and obtuse angles, cells={name!r}")
+
+
 @LAPLACIAN.variant("a dense matrix, its rows divided")
-def _(vertices: FloatArray, faces: IntArray) -> Any:
-    return truths.laplacian(vertices, faces)
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
+    return truths.laplacian(vertices, faces, cells)
 
 
 @LAPLACIAN.variant("the product with the inverse of a dense M, in LIL format")
-def _(vertices: FloatArray, faces: IntArray) -> Any:
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
     from scipy import sparse
 
-    M = np.diag(truths.mixed_areas(vertices, faces))
+    M = np.diag(truths.cells(vertices, faces, cells))
     return sparse.lil_matrix(np.linalg.inv(M) @ truths.stiffness(vertices, faces))
 
 
@@ -495,31 +506,31 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
     "the factor ½ was applied twice",
     hint="The notes write the ½ either into C (§8) or into M (§11). Is it in both of yours?",
 )
-def _(vertices: FloatArray, faces: IntArray) -> Any:
-    return truths.laplacian(vertices, faces) / 2
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
+    return truths.laplacian(vertices, faces, cells) / 2
 
 
 @LAPLACIAN.mistake(
     "the factor ½ is missing",
     hint="The notes write the ½ either into C (§8) or into M (§11). Is it in one of yours?",
 )
-def _(vertices: FloatArray, faces: IntArray) -> Any:
-    return truths.laplacian(vertices, faces) * 2
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
+    return truths.laplacian(vertices, faces, cells) * 2
 
 
 @LAPLACIAN.mistake(
     "the columns were divided by the areas, not the rows",
     hint="The Laplacian at a vertex is an average over its own cell. Whose area divides row i?",
 )
-def _(vertices: FloatArray, faces: IntArray) -> Any:
-    return truths.laplacian(vertices, faces).T
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
+    return truths.laplacian(vertices, faces, cells).T
 
 
 @LAPLACIAN.mistake(
     "C was not divided by the areas",
     hint="C is integrated over cells. What does it give for x² + y² when the cells shrink?",
 )
-def _(vertices: FloatArray, faces: IntArray) -> Any:
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
     return truths.stiffness(vertices, faces)
 
 
@@ -527,16 +538,16 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
     "C was multiplied by the areas",
     hint="Is Δ made with M, or with its inverse?",
 )
-def _(vertices: FloatArray, faces: IntArray) -> Any:
-    return truths.mixed_areas(vertices, faces)[:, None] * truths.stiffness(vertices, faces)
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
+    return truths.cells(vertices, faces, cells)[:, None] * truths.stiffness(vertices, faces)
 
 
 @LAPLACIAN.mistake(
     "the symmetric form M^(-½) C M^(-½) was returned",
     hint="That form has the same eigenvalues. Does it have the constants in its null space too?",
 )
-def _(vertices: FloatArray, faces: IntArray) -> Any:
-    root = np.sqrt(truths.mixed_areas(vertices, faces))
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
+    root = np.sqrt(truths.cells(vertices, faces, cells))
     return truths.stiffness(vertices, faces) / np.outer(root, root)
 
 
@@ -544,15 +555,15 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
     "the sign is that of −Δ",
     hint="x² + y² bends upwards everywhere. What sign has its Laplacian?",
 )
-def _(vertices: FloatArray, faces: IntArray) -> Any:
-    return -truths.laplacian(vertices, faces)
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
+    return -truths.laplacian(vertices, faces, cells)
 
 
 @LAPLACIAN.mistake(
     "the rows were divided by the sums of the weights",
     hint="That makes a mean over the neighbours. What happens to it when the mesh is scaled?",
 )
-def _(vertices: FloatArray, faces: IntArray) -> Any:
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
     C = truths.stiffness(vertices, faces)
     return C / -np.diag(C)[:, None]
 
@@ -561,5 +572,13 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
     "barycentric cells were used where mixed ones are the default",
     hint="Which cells does your function use when nothing is said about them?",
 )
-def _(vertices: FloatArray, faces: IntArray) -> Any:
-    return truths.stiffness(vertices, faces) / truths.third_areas(vertices, faces)[:, None]
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "barycentric") -> Any:
+    return truths.laplacian(vertices, faces, cells)
+
+
+@LAPLACIAN.mistake(
+    "`cells` was not used: the cells are always mixed",
+    hint="What does your function hand on to the mass matrix?",
+)
+def _(vertices: FloatArray, faces: IntArray, *, cells: str = "mixed") -> Any:
+    return truths.laplacian(vertices, faces)

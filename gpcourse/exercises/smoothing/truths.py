@@ -110,9 +110,25 @@ def third_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
     return per_vertex(faces, thirds, len(vertices))
 
 
-def laplacian(vertices: FloatArray, faces: IntArray) -> FloatArray:
-    """Return the dense M⁻¹C with mixed cells."""
-    return np.asarray(stiffness(vertices, faces) / mixed_areas(vertices, faces)[:, None])
+def voronoi_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Return the (n,) signed areas of the cells that end at the circumcentres."""
+    return per_vertex(faces, circumcentric_corners(vertices, faces), len(vertices))
+
+
+#: The areas of cells by the names that the option `cells` knows.
+CELLS = {"mixed": mixed_areas, "barycentric": third_areas, "voronoi": voronoi_areas}
+
+
+def cells(vertices: FloatArray, faces: IntArray, name: str) -> FloatArray:
+    """Return the (n,) areas of the cells of that name."""
+    if name not in CELLS:
+        raise ValueError(f"there are no cells of the name {name!r}")
+    return CELLS[name](vertices, faces)
+
+
+def laplacian(vertices: FloatArray, faces: IntArray, name: str = "mixed") -> FloatArray:
+    """Return the dense M⁻¹C with cells of that name."""
+    return np.asarray(stiffness(vertices, faces) / cells(vertices, faces, name)[:, None])
 
 
 def neighbours(faces: IntArray, n_vertices: int) -> list[set[int]]:

@@ -17,15 +17,58 @@ Solve = Callable[[FloatArray], FloatArray]
 #: Largest residual that rounding explains, relative to the terms of ``A x - b``.
 _ROUNDING = 1e-10
 
+_INDEFINITE = (
+    "the matrix is singular or not positive definite; are some values fixed, is C the cotangent matrix, "
+    "and no step negative?"
+)
+
 
 def factorized(A: sparse.csr_array) -> Solve:
     """Factor a symmetric positive definite matrix, and return the function that solves with it.
+
+    CHOLMOD factors it where cholespy is installed (``pip install gpcourse[cholmod]``), else SuperLU.
 
     Raises
     ------
     SingularSystemError
         If there is no factor, or, when solving, if the solution does not satisfy the system.
     """
+    try:
+        direct = _by_cholmod(A)
+    except ImportError:
+        direct = _by_superlu(A)
+    norm = abs(A).sum(axis=1).max(initial=0)
+
+    def solve(b: FloatArray) -> FloatArray:
+        x = direct(b)
+        terms = norm * np.abs(x).max(initial=0) + np.abs(b).max(initial=0)
+        if not np.abs(A @ x - b).max(initial=0) <= _ROUNDING * terms:
+            raise SingularSystemError(_INDEFINITE)
+        return x
+
+    return solve
+
+
+def _by_cholmod(A: sparse.csr_array) -> Solve:
+    """Factor by CHOLMOD, or raise ImportError where it is not installed."""
+    from cholespy import CholeskySolverD, MatrixType
+
+    starts, columns = A.indptr.astype(np.int32), A.indices.astype(np.int32)
+    try:
+        factor = CholeskySolverD(A.shape[0], starts, columns, A.data, MatrixType.CSR)
+    except (ValueError, RuntimeError):  # the latter for a matrix without entries
+        raise SingularSystemError(_INDEFINITE) from None
+
+    def solve(b: FloatArray) -> FloatArray:
+        x = np.empty(b.shape)
+        factor.solve(np.ascontiguousarray(b), x)
+        return x
+
+    return solve
+
+
+def _by_superlu(A: sparse.csr_array) -> Solve:
+    """Factor by SuperLU, which SciPy has."""
     from scipy.sparse.linalg import splu
 
     try:
@@ -38,19 +81,7 @@ def factorized(A: sparse.csr_array) -> Solve:
         )
     except RuntimeError:
         raise SingularSystemError("the matrix is singular; fix some values, or remove empty rows") from None
-
-    norm = abs(A).sum(axis=1).max(initial=0)
-
-    def solve(b: FloatArray) -> FloatArray:
-        x = np.asarray(lu.solve(b))
-        terms = norm * np.abs(x).max(initial=0) + np.abs(b).max(initial=0)
-        if not np.abs(A @ x - b).max(initial=0) <= _ROUNDING * terms:
-            raise SingularSystemError(
-                "the matrix is not positive definite; is C the cotangent matrix, and no step negative?"
-            )
-        return x
-
-    return solve
+    return lambda b: np.asarray(lu.solve(b))
 
 
 def conjugate_gradients(A: sparse.csr_array, b: FloatArray, start: FloatArray) -> FloatArray:

@@ -3,14 +3,18 @@
 const boot = async (kept) => {
   const stopped = new AbortController(), until = { signal: stopped.signal };
   const $ = (id) => document.getElementById(id);
-  const header = JSON.parse($("header").textContent), extra = JSON.parse($("extra").textContent);
+  const read = async (id) => JSON.parse(new TextDecoder().decode(await inflated(id)));
+  const header = await read("header"), extra = await read("extra");
   const make = (tag, parent, props) => parent.appendChild(Object.assign(document.createElement(tag), props || {}));
   const canvas = make("canvas", document.body, { tabIndex: 0 });
   canvas.setAttribute("role", "img");
   canvas.setAttribute("aria-label", header.alt);
   const marks = make("canvas", document.body, { id: "marks" });
   const said = make("div", document.body, { id: "said" });
-  const gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+  said.setAttribute("role", "status");
+  const tools = make("div", document.body, { id: "tools" });
+  if (matchMedia("(hover: none)").matches) tools.classList.add("stay");
+  const gl = canvas.getContext("webgl2", { alpha: false, antialias: true, preserveDrawingBuffer: true });
   if (!gl) {
     // The static picture lies under this page: let it be seen.
     canvas.remove();
@@ -35,10 +39,9 @@ const boot = async (kept) => {
   };
   const values = ({ codes, low, high }) =>
     Float32Array.from(numbers(codes), (c) => (c === 65535 ? NaN : low + ((high - low) * c) / 65534));
-  const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
 
   // ---- programs
-  const program = (vertex, fragment) => {
+  const program = ([vertex, fragment]) => {
     const p = gl.createProgram();
     for (const [kind, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
       const shader = gl.createShader(kind);
@@ -51,57 +54,7 @@ const boot = async (kept) => {
     const places = {};
     return { p, at: (name) => (places[name] ??= gl.getUniformLocation(p, name)), use() { gl.useProgram(p); } };
   };
-  const SEEN = `uniform mat3 axes; uniform vec3 focus; uniform vec2 scale; uniform float reach;
-    vec3 seen(vec3 x) { vec3 y = (x - focus) * axes; return vec3(y.xy * scale, -y.z / reach); }`;
-  const surface = program(
-    SEEN + `in vec3 x; in vec3 normal; in vec3 colour; in float value; out vec3 n; out vec3 y; out vec3 c; out float v;
-    void main() { gl_Position = vec4(seen(x), 1.0); y = (x - focus) * axes; n = normal * axes; c = colour; v = value; }`,
-    `in vec3 n; in vec3 y; in vec3 c; in float v; out vec4 o;
-    uniform bool flat_, valued, lines; uniform vec2 range; uniform sampler2D lookup; uniform vec3 back;
-    void main() {
-      vec3 g = normalize(cross(dFdx(y), dFdy(y)));
-      vec3 m = flat_ || dot(n, n) < 1e-12 ? g : normalize(n);
-      if (m.z < 0.0) m = -m;
-      vec3 base = c;
-      float t = (v - range.x) / (range.y - range.x);
-      bool known = v == v;
-      if (valued) base = known ? texture(lookup, vec2(clamp(t, 0.0, 1.0), 0.5)).rgb : vec3(0.73, 0.735, 0.75);
-      if (!gl_FrontFacing) base = valued ? mix(base, vec3(0.73), 0.45) : back;
-      float ambient = valued ? 0.72 : 0.56;
-      float light = ambient + (1.0 - ambient) * max(dot(m, vec3(-0.299, 0.427, 0.854)) + 0.3, 0.0) / 1.154;
-      vec3 shown = base * min(light, 1.0);
-      float gloss = 0.5 * max(light - 1.0, 0.0);
-      shown = shown * (1.0 - gloss) + gloss;
-      if (lines && valued && known) {
-        float s = t * 12.0, d = abs(fract(s - 0.5) - 0.5) / max(fwidth(s), 1e-6);
-        shown = mix(vec3(0.08), shown, clamp(d - 0.3, 0.0, 1.0));
-      }
-      o = vec4(shown, 1.0);
-    }`);
-  const edge = program(
-    SEEN + "in vec3 x; void main() { gl_Position = vec4(seen(x), 1.0); gl_Position.z -= 2e-4; }",
-    "uniform vec4 colour; out vec4 o; void main() { o = colour; }");
-  const stroke = program(
-    SEEN + `in vec3 a; in vec3 b; in vec3 colour; uniform vec2 pixels; uniform float width; uniform bool head; out vec3 c;
-    void main() {
-      vec3 p = seen(a), q = seen(b);
-      vec2 d = (q.xy - p.xy) * pixels; float l = max(length(d), 1e-6); d /= l;
-      vec2 across = vec2(-d.y, d.x);
-      vec3 at; vec2 off;
-      if (head) {
-        float size = min(5.0 * width + 3.0, 0.6 * l);
-        at = q; off = gl_VertexID == 0 ? vec2(0.0) : -d * size + across * size * (gl_VertexID == 1 ? 0.42 : -0.42);
-      } else {
-        at = gl_VertexID < 2 ? p : q; off = across * width * 0.5 * (gl_VertexID % 2 == 0 ? 1.0 : -1.0);
-      }
-      gl_Position = vec4(at.xy + off / pixels, at.z - 4e-4, 1.0); c = colour;
-    }`,
-    "in vec3 c; out vec4 o; void main() { o = vec4(c, 1.0); }");
-  const dot = program(
-    SEEN + `in vec3 x; in vec3 colour; uniform float size; out vec3 c;
-    void main() { gl_Position = vec4(seen(x), 1.0); gl_Position.z -= 6e-4; gl_PointSize = size; c = colour; }`,
-    `in vec3 c; out vec4 o;
-    void main() { vec2 d = gl_PointCoord * 2.0 - 1.0; float r = dot(d, d); if (r > 1.0) discard; o = vec4(c * (1.0 - 0.25 * r), 1.0); }`);
+  const surface = program(SHADERS.surface), edge = program(SHADERS.edge), stroke = program(SHADERS.stroke), dot = program(SHADERS.dot);
 
   // ---- buffers
   const buffer = (array, target) => {
@@ -174,11 +127,15 @@ const boot = async (kept) => {
       for (let d = 0; d < 3; d++) { X[3 * c + d] = at[3 * i + d]; N[3 * c + d] = normal[3 * i + d]; C[3 * c + d] = paint[d]; }
       if (v) V[c] = v[onFaces ? f : i];
     }
-    const ordered = new Uint32Array(lines), xb = buffer(at);
+    const ordered = new Uint32Array(lines), xb = buffer(at), few = lines.length <= 24000;
+    const ends_ = (first) => Float32Array.from({ length: 1.5 * lines.length }, (_, i) => at[3 * lines[2 * ((i / 3) | 0) + first] + (i % 3)]);
+    let long = 0;
+    for (let i = 0; i < lines.length; i += 2) long += Math.hypot(...[0, 1, 2].map((d) => at[3 * lines[i] + d] - at[3 * lines[i + 1] + d])) / (lines.length / 2);
     return {
-      kind: "mesh", at, triangles: new Uint32Array(triangles), owner, v, onFaces, unit: layer.unit || "value", smooth: layer.smooth, edges: layer.edges, m, k: lines.length, valued: !!v,
+      kind: "mesh", at, triangles: new Uint32Array(triangles), owner, v, onFaces, unit: layer.unit || "value", smooth: layer.smooth, edges: layer.edges, behind: layer.behind, m, k: lines.length, long, valued: !!v,
       body: array(() => { attribute(surface, "x", X, 3); attribute(surface, "normal", N, 3); attribute(surface, "colour", C, 3); attribute(surface, "value", V, 1); }),
-      wire: array(() => { attribute(edge, "x", xb, 3); buffer(ordered, gl.ELEMENT_ARRAY_BUFFER); }),
+      wire: few ? null : array(() => { attribute(edge, "x", xb, 3); buffer(ordered, gl.ELEMENT_ARRAY_BUFFER); }),
+      rods: few ? array(() => { attribute(stroke, "a", ends_(0), 3, 1); attribute(stroke, "b", ends_(1), 3, 1); }) : null,
     };
   };
   const strokes = (a, b, colours) => {
@@ -192,12 +149,12 @@ const boot = async (kept) => {
       const at = places(layer.at, box), n = at.length / 3, v = layer.values ? values(layer.values) : null;
       const colours = repeated(layer.colours, n);
       if (v && scale) for (let i = 0; i < n; i++) colours.set(colourOf(v[i], scale), 3 * i);
-      return { kind: "points", at, v, n, unit: "value", size: layer.size, vao: array(() => { attribute(dot, "x", at, 3); attribute(dot, "colour", colours, 3); }) };
+      return { kind: "points", at, v, n, unit: "value", size: layer.size, hidden: layer.hidden, vao: array(() => { attribute(dot, "x", at, 3); attribute(dot, "colour", colours, 3); }) };
     }
     if (layer.kind === "arrows") {
       const a = places(layer.tails, box), b = places(layer.heads, box);
-      const middle = a.map((x, i) => (x + b[i]) / 2);
-      return { kind: "strokes", width: layer.width, heads: true, ...strokes(a, b, repeated(layer.colours, a.length / 3)), at: middle, texts: layer.texts, colours: layer.colours };
+      const middle = a.map((x, i) => (x + b[i]) / 2), sides = layer.sides && Float32Array.from(numbers(layer.sides), (c) => c - 127);
+      return { kind: "strokes", width: layer.width, hidden: layer.hidden, heads: true, ...strokes(a, b, repeated(layer.colours, a.length / 3)), a, b, sides, at: middle, texts: layer.texts, colours: layer.colours };
     }
     if (layer.kind === "curves") {
       const at = places(layer.at, box), a = [], b = [], c = [];
@@ -206,9 +163,9 @@ const boot = async (kept) => {
         for (let i = start; i + 1 < start + n; i++) { a.push(...at.slice(3 * i, 3 * i + 3)); b.push(...at.slice(3 * i + 3, 3 * i + 6)); c.push(...rgb(layer.colours[line % layer.colours.length])); }
         start += n;
       });
-      return { kind: "strokes", width: layer.width, heads: false, ...strokes(Float32Array.from(a), Float32Array.from(b), Float32Array.from(c)), texts: [] };
+      return { kind: "strokes", width: layer.width, hidden: layer.hidden, heads: false, ...strokes(Float32Array.from(a), Float32Array.from(b), Float32Array.from(c)), texts: [] };
     }
-    return { kind: "labels", at: places(layer.at, box), texts: layer.texts, colours: layer.colours, beside: layer.beside };
+    return { kind: "labels", at: places(layer.at, box), texts: layer.texts, colours: layer.colours, place: layer.place, hidden: layer.hidden };
   };
   const ready = new Map();
   const shown = (f) => {
@@ -227,14 +184,16 @@ const boot = async (kept) => {
     const [c, s, e, t] = [Math.cos(dx), Math.sin(dx), Math.cos(dy), Math.sin(dy)];
     return times([1, 0, 0, 0, e, -t, 0, t, e], [c, 0, s, 0, 1, 0, -s, 0, c]);
   };
+  const oneBar = () => header.frames[state.frame].some((p) => p.scale && !p.bar);  // for all panels, at the right
   const cells = () => {
-    const n = header.cameras.length, w = innerWidth, h = innerHeight;
+    const n = header.cameras.length, w = innerWidth - (oneBar() ? BAR : 0), h = innerHeight - (tools.classList.contains("stay") ? tools.offsetHeight + 6 : 0);
     const columns = n === 1 || w < 1.2 * h ? (w < 1.2 * h && n > 1 ? 1 : n) : Math.min(n, 4), rows = Math.ceil(n / columns);
     return header.cameras.map((_, i) => ({ x: ((i % columns) * w) / columns, y: (Math.floor(i / columns) * h) / rows, w: w / columns, h: h / rows }));
   };
-  const BAR = 64, TOP = 24, MARGIN = 8;
+  const BAR = 64, TOP = 26;
   const view = (i, cell) => {
-    const camera = header.cameras[i], bar = header.frames[state.frame][i].scale ? BAR : 0;
+    const camera = header.cameras[i], panel = header.frames[state.frame][i], bar = panel.bar && !oneBar() ? BAR : 0;
+    const MARGIN = panel.layers.some((l) => l.texts && l.texts.length) ? 20 : 8;  // numbers lie around what they name
     const w = Math.max(cell.w - bar - 2 * MARGIN, 20), h = Math.max(cell.h - TOP - 2 * MARGIN, 20);
     const k = Math.min(w / (2 * camera.half[0]), h / (2 * camera.half[1])) * state.zoom;
     return { axes: times(state.turn, camera.axes), focus: camera.focus, k, cx: cell.x + MARGIN + w / 2 + state.pan[0], cy: cell.y + TOP + MARGIN + h / 2 + state.pan[1], reach: 2 * camera.reach, w, h, bar };
@@ -245,14 +204,27 @@ const boot = async (kept) => {
   };
 
   // ---- drawing
-  const dark = matchMedia("(prefers-color-scheme: dark)");
+  /* What lies behind a surface is left out, drawn faintly, or drawn as if nothing were before it. */
+  const passes = (hidden, run) => {
+    if (hidden === "fade") {
+      gl.depthFunc(gl.GREATER); gl.depthMask(false); gl.enable(gl.BLEND);
+      run(0.35);
+      gl.disable(gl.BLEND); gl.depthMask(true);
+    }
+    gl.depthFunc(hidden === "show" ? gl.ALWAYS : gl.LEQUAL);
+    run(1);
+    gl.depthFunc(gl.LEQUAL);
+  };
   const draw = () => {
-    const ratio = devicePixelRatio || 1, W = innerWidth, H = innerHeight;
+    const ratio = devicePixelRatio || 1, W = innerWidth, H = innerHeight, dark = isDark();
+    document.documentElement.classList.toggle("dark", dark);
     for (const c of [canvas, marks]) if (c.width !== Math.round(W * ratio) || c.height !== Math.round(H * ratio)) { c.width = Math.round(W * ratio); c.height = Math.round(H * ratio); }
     gl.disable(gl.SCISSOR_TEST);
-    gl.clearColor(...(dark.matches ? rgb("#14171a") : [1, 1, 1]), 1);
+    gl.clearColor(...rgb(dark ? "#14171a" : "#ffffff"), 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST); gl.enable(gl.SCISSOR_TEST); gl.depthFunc(gl.LEQUAL);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.enable(gl.POLYGON_OFFSET_FILL); gl.polygonOffset(1, 1);  // lines that lie on a surface win
     const pen = marks.getContext("2d");
     pen.setTransform(ratio, 0, 0, ratio, 0, 0); pen.clearRect(0, 0, W, H);
     const panels = shown(state.frame);
@@ -260,54 +232,52 @@ const boot = async (kept) => {
       const look = view(i, cell), panel = panels[i];
       gl.viewport((look.cx - cell.w / 2) * ratio, (H - look.cy - cell.h / 2) * ratio, cell.w * ratio, cell.h * ratio);
       gl.scissor(cell.x * ratio, (H - cell.y - cell.h) * ratio, cell.w * ratio, cell.h * ratio);
-      const set = (prog) => {
+      const meshes = panel.layers.filter((l) => l.kind === "mesh"), lift = dark && !meshes.length ? 0.6 : 0;
+      const set = (prog, floats = {}) => {
         prog.use();
         gl.uniformMatrix3fv(prog.at("axes"), false, look.axes); gl.uniform3fv(prog.at("focus"), look.focus);
         gl.uniform2f(prog.at("scale"), (2 * look.k) / cell.w, (2 * look.k) / cell.h); gl.uniform1f(prog.at("reach"), look.reach);
         gl.uniform2f(prog.at("pixels"), cell.w / 2, cell.h / 2);
+        for (const name in floats) gl.uniform1f(prog.at(name), floats[name]);
       };
-      for (const l of panel.layers) {
-        if (l.kind === "mesh") {
-          set(surface);
-          gl.uniform1i(surface.at("flat_"), !(state.smooth ?? l.smooth)); gl.uniform1i(surface.at("valued"), l.valued && !!panel.scale); gl.uniform1i(surface.at("lines"), state.lines);
-          gl.uniform3fv(surface.at("back"), rgb("#f0c794"));
-          if (panel.scale) { gl.uniform2f(surface.at("range"), panel.scale.low, panel.scale.high); gl.bindTexture(gl.TEXTURE_2D, panel.lookup); }
-          gl.bindVertexArray(l.body); gl.drawArrays(gl.TRIANGLES, 0, l.m);
-          if (state.wire ?? l.edges) {
-            set(edge); gl.enable(gl.BLEND); gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
-            gl.uniform4f(edge.at("colour"), 0.11, 0.13, 0.16, l.k > 12000 ? 0.25 : 0.55);
-            gl.bindVertexArray(l.wire); gl.drawElements(gl.LINES, l.k, gl.UNSIGNED_INT, 0); gl.disable(gl.BLEND);
-          }
-        } else if (l.kind === "strokes" && l.n) {
-          set(stroke); gl.uniform1f(stroke.at("width"), 1.4 * l.width); gl.uniform1i(stroke.at("head"), false);
-          gl.bindVertexArray(l.vao); gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, l.n);
+      const near = 0.012 / Math.max(1, state.zoom);  // what is drawn on a surface is not hidden by it
+      for (const l of meshes) drawMesh(l, panel, look, set);
+      for (const [rank, l] of panel.layers.entries()) {
+        if (l.kind === "strokes" && l.n) passes(l.hidden, (alpha) => {
+          set(stroke, { width: 1.5 * l.width, alpha, lift, bias: near, tip: l.heads ? 6.5 * Math.sqrt(l.width) + 2.5 : 0 });
+          gl.bindVertexArray(l.vao); gl.uniform1i(stroke.at("head"), false); gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, l.n);
           if (l.heads) { gl.uniform1i(stroke.at("head"), true); gl.drawArraysInstanced(gl.TRIANGLES, 0, 3, l.n); }
-        } else if (l.kind === "points") {
-          set(dot); gl.uniform1f(dot.at("size"), Math.max(1.5 * l.size, 2) * ratio); gl.bindVertexArray(l.vao); gl.drawArrays(gl.POINTS, 0, l.n);
-        }
+        });
+        else if (l.kind === "points") passes(l.hidden, (alpha) => {
+          set(dot, { size: Math.max(1.5 * l.size, 2) * ratio, alpha, lift: l.v ? 0 : lift, bias: (1.2 + 0.1 * rank) * near });
+          gl.bindVertexArray(l.vao); gl.drawArrays(gl.POINTS, 0, l.n);
+        });
       }
       gl.bindVertexArray(null);
-      write(pen, panel, look, cell);
+      write(pen, panel, { look, cell, dark, project, under });
     });
   };
-  const write = (pen, panel, look, cell) => {
-    pen.save(); pen.beginPath(); pen.rect(cell.x, cell.y, cell.w, cell.h); pen.clip();
-    pen.font = "11px system-ui, sans-serif"; pen.textBaseline = "middle"; pen.lineWidth = 3; pen.lineJoin = "round";
-    const mesh = panel.layers.find((l) => l.kind === "mesh"), many = mesh && mesh.owner.length > 4000;
-    for (const l of panel.layers) {
-      if (!l.texts || !l.texts.length || !l.at) continue;
-      for (let i = 0; i < l.texts.length; i++) {
-        const [x, y, z] = project(l.at, i, look);
-        const hit = mesh && !many ? under(mesh, look, x, y) : null;
-        if (hit && hit.z > z + 0.02 * look.reach) continue;
-        pen.textAlign = l.beside ? "left" : "center";
-        pen.strokeStyle = dark.matches ? "#14171a" : "#fff"; pen.fillStyle = dark.matches && l.colours[i % l.colours.length] === "#1b1f24" ? "#e6e9ec" : l.colours[i % l.colours.length];
-        pen.strokeText(l.texts[i], x + (l.beside ? 5 : 0), y - (l.beside ? 6 : 0)); pen.fillText(l.texts[i], x + (l.beside ? 5 : 0), y - (l.beside ? 6 : 0));
-      }
+  const drawMesh = (l, panel, look, set) => {
+    set(surface);
+    gl.uniform1i(surface.at("flat_"), !(state.smooth ?? l.smooth)); gl.uniform1i(surface.at("valued"), l.valued && !!panel.scale); gl.uniform1i(surface.at("lines"), state.lines);
+    gl.uniform3fv(surface.at("back"), rgb("#f0c794"));
+    if (panel.scale) { gl.uniform2f(surface.at("range"), panel.scale.low, panel.scale.high); gl.uniform1f(surface.at("spacing"), ticks(panel.scale).step / 2); gl.bindTexture(gl.TEXTURE_2D, panel.lookup); }
+    gl.bindVertexArray(l.body); gl.drawArrays(gl.TRIANGLES, 0, l.m);
+    if (!(state.wire ?? l.edges) || !l.k) return;
+    if (l.rods) {
+      gl.vertexAttrib3f(gl.getAttribLocation(stroke.p, "colour"), 0.26, 0.3, 0.37);
+      gl.bindVertexArray(l.rods);
+      passes(l.behind ? "fade" : "hide", (alpha) => {
+        set(stroke, { width: Math.min(Math.max(0.03 * l.long * look.k, 0.45), 1.3), alpha, lift: 0, bias: 2e-4, tip: 0 });
+        gl.uniform1i(stroke.at("head"), false); gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, l.k / 2);
+      });
+    } else {
+      set(edge); gl.enable(gl.BLEND);
+      gl.uniform4f(edge.at("colour"), 0.11, 0.13, 0.16, 0.3);
+      gl.bindVertexArray(l.wire); gl.drawElements(gl.LINES, l.k, gl.UNSIGNED_INT, 0); gl.disable(gl.BLEND);
     }
-    pen.restore();
   };
-  let waiting = false;
+  let waiting = false, running = 0;
   const redraw = () => { if (!waiting) { waiting = true; requestAnimationFrame(() => { waiting = false; draw(); }); } };
 
   // ---- what is under the pointer
@@ -334,6 +304,12 @@ const boot = async (kept) => {
     }
     return mesh.P;
   };
+  const ticks = ({ low, high }) => {
+    const rough = (high - low) / 4, power = 10 ** Math.floor(Math.log10(rough)), step = [1, 2, 2.5, 5, 10].map((s) => s * power).find((s) => s >= rough * (1 - 1e-9));
+    const at = [];
+    for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * (high - low); k++) at.push(k * step);
+    return { step, at };
+  };
   const shortly = (v) => (v !== v ? "not finite" : String(Number(v.toPrecision(4))).replace("-", "−"));
   const ask = (px, py) => {
     const i = cells().findIndex((c) => px >= c.x && px < c.x + c.w && py >= c.y && py < c.y + c.h);
@@ -359,17 +335,14 @@ const boot = async (kept) => {
     header.frames[state.frame].forEach((panel, i) => {
       const cell = cells()[i];
       if (panel.title) make("div", furniture, { className: "title", textContent: panel.title }).style.cssText = `left:${cell.x}px;width:${cell.w}px;top:${cell.y + 4}px`;
-      if (!panel.scale) return;
-      const high = Math.min(Math.max(cell.h * 0.6, 60), 220), bar = make("div", furniture, { className: "bar" });
-      bar.style.cssText = `left:${cell.x + cell.w - BAR}px;top:${cell.y + (cell.h - high) / 2 + 8}px;height:${high}px;background:linear-gradient(to top,${panel.scale.colours.join(",")})`;
+      if (!panel.bar) return;
+      const whole = oneBar() ? { x: 0, y: 0, w: innerWidth, h: cell.y + cell.h } : cell;
+      const high = Math.min(Math.max(whole.h * 0.6, 60), 220), bar = make("div", furniture, { className: "bar" });
+      bar.style.cssText = `left:${whole.x + whole.w - BAR}px;top:${whole.y + (whole.h - high) / 2 + 8}px;height:${high}px;background:linear-gradient(to top,${panel.scale.colours.join(",")})`;
       if (panel.scale.name) make("b", bar, { textContent: panel.scale.name }).style.cssText = "right:auto;left:0";
-      const { low, high: top } = panel.scale, span = top - low, rough = span / 4, power = 10 ** Math.floor(Math.log10(rough));
-      const step = [1, 2, 2.5, 5, 10].map((s) => s * power).find((s) => s >= rough);
-      for (let t = Math.ceil(low / step - 1e-9) * step; t <= top + 1e-9 * span; t += step)
-        make("span", bar, { textContent: shortly(Math.abs(t) < 1e-12 * span ? 0 : t) }).style.top = `${(100 * (top - t)) / span}%`;
+      for (const t of ticks(panel.scale).at) make("span", bar, { textContent: shortly(t) }).style.top = `${(100 * (panel.scale.high - t)) / (panel.scale.high - panel.scale.low)}%`;
     });
   };
-  const tools = make("div", document.body, { id: "tools" });
   const button = (text, title, action) => { const b = make("button", tools, { type: "button", textContent: text, title }); b.addEventListener("click", () => { action(b); redraw(); }); return b; };
   const first = () => shown(state.frame).flatMap((p) => p.layers).find((l) => l.kind === "mesh");
   const actions = {
@@ -386,10 +359,19 @@ const boot = async (kept) => {
   const show = (f) => { state.frame = f; furnish(); redraw(); };
   if (extra.chooser === "slider" && header.frames.length > 1) {
     tools.classList.add("stay");
+    const play = button("play", "Play or stop (space)", () => actions[" "]());
     const word = make("span", tools), slider = make("input", tools, { type: "range", min: 0, max: header.frames.length - 1, step: 1, value: state.frame, title: "Frames" });
     const say = () => { word.textContent = extra.names[state.frame] || `${state.frame + 1} of ${header.frames.length}`; };
     slider.setAttribute("aria-label", "frame");
-    slider.addEventListener("input", () => { show(Number(slider.value)); say(); });
+    const go = (f) => { slider.value = f; show(f); say(); };
+    slider.addEventListener("input", () => { halt(); go(Number(slider.value)); });
+    const halt = () => { clearInterval(running); running = 0; play.textContent = "play"; };
+    actions[" "] = () => {
+      if (running) return halt();
+      if (state.frame === header.frames.length - 1) go(0);
+      play.textContent = "stop";
+      running = setInterval(() => { go(state.frame + 1); if (state.frame === header.frames.length - 1) halt(); }, 400);
+    };
     say();
   } else if (extra.chooser === "menu" && header.frames.length > 1) {
     tools.classList.add("stay");
@@ -400,22 +382,26 @@ const boot = async (kept) => {
   }
 
   // ---- mouse, touch, keyboard
+  let moved = 0;
+  const zoomBy = (factor) => { state.zoom = Math.min(Math.max(state.zoom * factor, 0.05), 200); };
   const fingers = new Map();
-  canvas.addEventListener("pointerdown", (e) => { canvas.setPointerCapture(e.pointerId); fingers.set(e.pointerId, [e.clientX, e.clientY]); said.style.display = "none"; });
-  for (const kind of ["pointerup", "pointercancel"]) canvas.addEventListener(kind, (e) => fingers.delete(e.pointerId));
+  const tell = (x, y) => {
+    const text = ask(x, y);
+    said.textContent = text; said.style.display = text ? "block" : "none";
+    const { width, height } = said.getBoundingClientRect();
+    Object.assign(said.style, { left: `${Math.max(0, Math.min(x + 12, innerWidth - width - 4))}px`, top: `${y + 14 + height > innerHeight ? Math.max(0, y - height - 10) : y + 14}px` });
+  };
+  canvas.addEventListener("pointerdown", (e) => { canvas.setPointerCapture(e.pointerId); fingers.set(e.pointerId, [e.clientX, e.clientY]); moved = 0; said.style.display = "none"; });
+  for (const kind of ["pointerup", "pointercancel"]) canvas.addEventListener(kind, (e) => { fingers.delete(e.pointerId); if (kind === "pointerup" && moved < 5) tell(e.clientX, e.clientY); });
   canvas.addEventListener("pointermove", (e) => {
     const before = fingers.get(e.pointerId);
-    if (!before) {
-      const text = ask(e.clientX, e.clientY);
-      Object.assign(said.style, { display: text ? "block" : "none", left: `${Math.min(e.clientX + 12, innerWidth - 150)}px`, top: `${Math.min(e.clientY + 12, innerHeight - 40)}px` });
-      said.textContent = text;
-      return;
-    }
+    if (!before) return tell(e.clientX, e.clientY);
     const dx = e.clientX - before[0], dy = e.clientY - before[1];
+    moved += Math.hypot(dx, dy);
     if (fingers.size === 2) {
       const [other] = [...fingers].filter(([id]) => id !== e.pointerId).map(([, p]) => p);
       const far = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1;
-      state.zoom *= far([e.clientX, e.clientY]) / far(before);
+      zoomBy(far([e.clientX, e.clientY]) / far(before));
       state.pan = [state.pan[0] + dx / 2, state.pan[1] + dy / 2];
     } else if (e.shiftKey || e.buttons & 6) state.pan = [state.pan[0] + dx, state.pan[1] + dy];
     else state.turn = times(turning(dx / 120, dy / 120), state.turn);
@@ -425,25 +411,27 @@ const boot = async (kept) => {
   canvas.addEventListener("pointerleave", () => { said.style.display = "none"; });
   canvas.addEventListener("contextmenu", (e) => e.preventDefault());
   // A page that scrolls stays one: the wheel zooms only what has been clicked, or with Ctrl.
-  canvas.addEventListener("wheel", (e) => { if (document.activeElement === canvas || e.ctrlKey) { e.preventDefault(); state.zoom = Math.min(Math.max(state.zoom * Math.exp(-e.deltaY / 500), 0.05), 200); redraw(); } }, { passive: false });
+  canvas.addEventListener("wheel", (e) => { if (document.activeElement === canvas || e.ctrlKey) { e.preventDefault(); zoomBy(Math.exp(-e.deltaY / 500)); redraw(); } }, { passive: false });
   canvas.addEventListener("keydown", (e) => {
     const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[e.key];
     if (arrows && e.shiftKey) state.pan = [state.pan[0] + 12 * arrows[0], state.pan[1] + 12 * arrows[1]];
     else if (arrows) state.turn = times(turning(arrows[0] / 10, arrows[1] / 10), state.turn);
-    else if (e.key === "+" || e.key === "=") state.zoom *= 1.15;
-    else if (e.key === "-") state.zoom /= 1.15;
+    else if (e.key === "+" || e.key === "=") zoomBy(1.15);
+    else if (e.key === "-") zoomBy(1 / 1.15);
+    else if (e.key === "Enter") return tell(innerWidth / 2, innerHeight / 2);
     else if (actions[e.key] && !e.ctrlKey && !e.metaKey) actions[e.key]();
     else return;
     e.preventDefault(); redraw();
   });
   addEventListener("resize", () => { furnish(); redraw(); }, until);
-  dark.addEventListener("change", redraw, until);
   furnish(); draw();
   document.documentElement.classList.add("drawn");
   document.body.dataset.after = performance.now();
   document.body.dataset.drawn = "yes";
   return {
+    redraw,
     stop() {
+      clearInterval(running);
       stopped.abort(); gl.getExtension("WEBGL_lose_context")?.loseContext();
       for (const part of [canvas, marks, said, furniture, tools]) part.remove();
       document.documentElement.classList.remove("drawn"); delete document.body.dataset.drawn;
@@ -451,21 +439,3 @@ const boot = async (kept) => {
     },
   };
 };
-
-/* A browser draws about sixteen such pictures at a time: this one lives while it can be seen. */
-let live = null, memory = {}, wanted = false, busy = false;
-const settle = async () => {
-  if (busy) return;
-  busy = true;
-  try {
-    while (wanted !== !!live) {
-      if (wanted) live = await boot(memory);
-      else { memory = live.stop(); live = null; }
-    }
-  } catch (error) {
-    document.body.dataset.fault = error.message;  // the static picture below stays to be seen
-    console.error("This picture cannot be drawn here: " + error.message);
-  }
-  busy = false;
-};
-new IntersectionObserver((seen) => { wanted = seen[seen.length - 1].isIntersecting; settle(); }).observe(document.documentElement);

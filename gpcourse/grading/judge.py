@@ -12,6 +12,7 @@ from gpcourse.errors import WorkerError
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Verdict
 from gpcourse.exercises.judging import judge as judge_here
+from gpcourse.grading.recall import Recall
 from gpcourse.grading.submission import Notebook, Submission
 from gpcourse.sandbox.call import Trouble
 from gpcourse.sandbox.lockdown import Level
@@ -64,14 +65,22 @@ class Report:
 
 
 def afresh(seed: int) -> Judge:
-    """Return a judge that remembers nothing."""
+    """Return a judge that remembers nothing and asks one question at a time."""
     return lambda exercise, worker: judge_here(exercise, partial(worker.ask, exercise.name), seed)
 
 
 def judge_submission(
-    submission: Submission, exercises: Sequence[Exercise], judge: Judge, open_worker: OpenWorker
+    submission: Submission,
+    exercises: Sequence[Exercise],
+    seed: int,
+    open_worker: OpenWorker,
+    judge: Judge | None = None,
 ) -> Report:
-    """Judge every exercise on what was handed in. One that breaks costs no other its points."""
+    """Judge every exercise on what was handed in. One that breaks costs no other its points.
+
+    `judge` is for that seed; by default it is a new `Recall`.
+    """
+    judge = judge or Recall(seed).judge
     notes = list(submission.notes)
     rooms: dict[int, _Room] = {}
     names = frozenset(exercise.name for exercise in exercises)

@@ -88,7 +88,7 @@ class Recall:
             result = talk.result()
             if result.outcome == "not attempted":
                 return Verdict(exercise, "not attempted")
-            if any(reply.answer.status == "timeout" for reply in talk.unsure):
+            if any(question.answer.status == "timeout" for question in result.questions):
                 limit = min(limit, IMPATIENT)
             results.append(result)
             ends.append(talk.key)
@@ -111,7 +111,7 @@ class Recall:
 class Talk:
     """One check of one submission: the replies so far, and the key that they lead to.
 
-    The key is empty once something was answered that may be different next time, as a timeout.
+    The key is empty once a process ended without an answer, which may go otherwise next time.
     """
 
     def __init__(
@@ -123,11 +123,6 @@ class Talk:
         self.key = self.start
         self.questions: list[bytes] = []
         self.replies: list[Reply] = []
-
-    @property
-    def unsure(self) -> list[Reply]:
-        """The last reply, if it may be another one next time."""
-        return [reply for reply in self.replies[-1:] if not reply.digest]
 
     @property
     def size(self) -> int:

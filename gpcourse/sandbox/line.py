@@ -224,9 +224,15 @@ class Line:
                         raise EOFError
                     self._inbox += part
                 else:
-                    self._unsent = self._unsent[os.write(self.sink, self._unsent) :]
-                    if not self._unsent:
-                        self._poll.unregister(self.sink)
+                    self._send()
+
+    def _send(self) -> None:
+        try:
+            self._unsent = self._unsent[os.write(self.sink, self._unsent) :]
+        except BrokenPipeError:  # it has ended: what it said before is still to be read, until its end
+            self._unsent = memoryview(b"")
+        if not self._unsent:
+            self._poll.unregister(self.sink)
 
     def _take_blocking(self, length: int, until: Until) -> bytes:
         self._send_blocking(until)

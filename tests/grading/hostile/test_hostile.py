@@ -10,7 +10,7 @@ import pytest
 import gpcourse
 from gpcourse.exercises import expect
 from gpcourse.exercises.exercise import Exercise
-from gpcourse.grading.judge import afresh, judge_submission
+from gpcourse.grading.judge import judge_submission
 from gpcourse.grading.submission import read_folder
 from gpcourse.sandbox import confine, home
 from gpcourse.sandbox.forking import can_fork
@@ -121,7 +121,7 @@ def judged(attack, package, outside, launch):
     (folder / "ada.ipynb").write_text(json.dumps({"cells": cells}), encoding="utf-8")
     submission = read_folder(folder)[0]
     report = judge_submission(
-        submission, EXERCISES, afresh(0), lambda n: Worker(list(n.cells), package, LIMITS, start)
+        submission, EXERCISES, 0, lambda n: Worker(list(n.cells), package, LIMITS, start)
     )
     return report, "".join(texts)
 

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from gpcourse.exercises.judging import Asked
     from gpcourse.view.scene import Scene
 
+#: What an array of objects may hold to be read as one of numbers.
+_REAL = (int, float, np.integer, np.floating)
+
 
 class Wrong(Exception):
     """An answer that is not right, and why.
@@ -284,6 +287,8 @@ def _array(value: object, what: str, wanted: str, on: str) -> np.ndarray[Any, An
     try:
         dense = value.toarray() if hasattr(value, "toarray") else value
         result = np.asarray(dense)
+        if result.dtype.kind == "O" and all(isinstance(item, _REAL) for item in result.flat):
+            result = result.astype(np.float64)
     except Exception:  # noqa: BLE001  # a student's value may be of any kind
         _refuse(what, wanted, value, on)
     if result.dtype.kind not in "biufc":

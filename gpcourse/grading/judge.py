@@ -78,9 +78,21 @@ def judge_submission(
 ) -> Report:
     """Judge every exercise on what was handed in. One that breaks costs no other its points.
 
-    `judge` is for that seed; by default it is a new `Recall`.
+    `judge` is for that seed; by default it is a new `Recall`. What nobody thought of is our fault: such a
+    submission gets a row that says so, and the others are graded.
     """
-    judge = judge or Recall(seed).judge
+    try:
+        return _judge_submission(submission, exercises, judge or Recall(seed).judge, open_worker)
+    except WorkerError:
+        raise
+    except Exception as error:  # noqa: BLE001  # whatever it is, the run goes on
+        judged = tuple(Judged(Verdict(exercise, "grader fault")) for exercise in exercises)
+        return Report(submission.student, "grader fault", judged, (f"{type(error).__name__}: {error}",))
+
+
+def _judge_submission(
+    submission: Submission, exercises: Sequence[Exercise], judge: Judge, open_worker: OpenWorker
+) -> Report:
     notes = list(submission.notes)
     rooms: dict[int, _Room] = {}
     names = frozenset(exercise.name for exercise in exercises)

@@ -6,6 +6,7 @@ All that it asked until then, it asks of everybody.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any, NoReturn
 
 from gpcourse.exercises.exercise import Check, Exercise
@@ -32,12 +33,17 @@ def _touch(sealed: _Sealed, *_: object, **__: object) -> NoReturn:
     raise _Touched
 
 
-_BINARY = "add sub mul matmul truediv floordiv mod divmod pow lshift rshift and xor or".split()
+_BINARY = (
+    "add", "sub", "mul", "matmul", "truediv", "floordiv", "mod", "divmod", "pow", "lshift", "rshift", "and",
+    "xor", "or",
+)  # fmt: skip
 _OTHER = (
-    "getattribute getattr setattr delattr repr str bytes format lt le eq ne gt ge hash bool len length_hint iter "
-    "next reversed contains getitem setitem delitem call int float complex index round trunc floor ceil neg pos "
-    "abs invert enter exit array array_ufunc array_function array_interface copy deepcopy reduce reduce_ex"
-).split()
+    "getattribute", "getattr", "setattr", "delattr", "repr", "str", "bytes", "format", "lt", "le", "eq", "ne",
+    "gt", "ge", "hash", "bool", "len", "length_hint", "iter", "next", "reversed", "contains", "getitem",
+    "setitem", "delitem", "call", "int", "float", "complex", "index", "round", "trunc", "floor", "ceil",
+    "neg", "pos", "abs", "invert", "enter", "exit", "array", "array_ufunc", "array_function",
+    "array_interface", "copy", "deepcopy", "reduce", "reduce_ex",
+)  # fmt: skip
 for _name in (*_OTHER, *_BINARY, *(f"r{name}" for name in _BINARY), *(f"i{name}" for name in _BINARY)):
     setattr(_Sealed, f"__{_name}__", _touch)
 
@@ -58,7 +64,8 @@ class _Plan(Asked):
         return self._note(arguments, options, refusal=False)
 
     def answer(self, *arguments: Any, **options: Any) -> Answer:
-        return self._note(arguments, options, refusal=True)
+        sealed: Answer = self._note(arguments, options, refusal=True)
+        return sealed
 
     def _note(self, arguments: tuple[Any, ...], options: dict[str, Any], *, refusal: bool) -> Any:
         if self.over:
@@ -74,10 +81,7 @@ def planned(exercise: Exercise, check: Check, seed: int) -> tuple[tuple[bytes, .
     Beside them stands for which of them the check goes on when the call raises an exception.
     """
     plan = _Plan(exercise)
-    try:
+    # Whatever else is wrong with the check is found when it is really run.
+    with suppress(_Touched, Exception):
         check.run(plan, generator(exercise, check, seed))
-    except _Touched:
-        pass
-    except Exception:  # noqa: BLE001  # whatever is wrong with the check is found when it is really run
-        pass
     return tuple(plan.frames), tuple(plan.refusals)

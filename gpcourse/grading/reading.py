@@ -17,6 +17,8 @@ from typing import Any
 from gpcourse.grading.archives import Unreadable, read_file
 
 SUFFIXES = (".ipynb", ".py")
+#: The most lists, objects and items of a file: each takes Python a hundred bytes, and 100 MB hold 50 million.
+MAX_VALUES = 4_000_000
 
 _BOMS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 _BETWEEN = re.compile(r"[,\s]*")
@@ -64,6 +66,8 @@ def notebook(name: str, content: Callable[[], bytes]) -> Notebook:
         text, notes = _decode(raw)
         if PurePath(name).suffix.lower() == ".py":
             return Notebook(name, tuple(_split(text)), notes)
+        if sum(map(text.count, ",[{")) > MAX_VALUES:
+            raise Unreadable("it holds millions of values; clear its outputs and hand it in again")
         document, damage = _parsed(text)
         cells = _cells_of(document)
     except Unreadable as error:

@@ -1,8 +1,8 @@
 """Judging a class: what was found out about one submission is not found out again for the next.
 
 A check is a function of its seed and of the answers that it gets. So what it asks first, what it asks after
-these answers, and how it ends can be remembered under a digest of all answers so far, byte by byte as they were
-received. The questions that do not depend on any answer are put to the student's function in one go.
+these answers, and how it ends can be remembered under a digest of all answers so far, byte by byte as they
+were received. The questions that do not depend on any answer are put to the student's function in one go.
 
 No verdict depends on it: what is not remembered is found by running the check itself, and an answer that
 differs in one byte is another answer.
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from hashlib import blake2b
 from typing import Any
 
-from gpcourse.errors import WireError
+from gpcourse.errors import WireError, WorkerError
 from gpcourse.exercises.exercise import Check, Exercise
 from gpcourse.exercises.judging import (
     IMPATIENT,
@@ -25,7 +25,6 @@ from gpcourse.exercises.judging import (
     Question,
     Verdict,
     conclude,
-    generator,
     run_check,
 )
 from gpcourse.grading.plan import planned
@@ -140,7 +139,10 @@ class Talk:
                 return known
             if known is None or not known.questions:
                 break
-            self._ask(known)
+            try:
+                self._ask(known)
+            except WorkerError:  # raised again where the check asks: a fault of ours
+                break
         return self._run()
 
     def _ask(self, step: Step) -> None:

@@ -21,6 +21,9 @@ from gpcourse.sandbox.values import same
 
 Status = Literal["returned", "raised", "timeout", "crashed", "out of memory"]
 
+#: The most characters that are kept of a student's text, and of a name. A message may hold a whole array.
+LONGEST, LONGEST_NAME = 10_000, 200
+
 
 @dataclass(frozen=True)
 class Trouble:
@@ -100,21 +103,21 @@ def call(
 
 def describe(error: BaseException) -> Trouble:
     """Turn an exception into text, with the innermost line that is the student's own."""
-    types = tuple(kind.__name__ for kind in type(error).__mro__ if kind is not object)
+    types = tuple(kind.__name__[:LONGEST_NAME] for kind in type(error).__mro__[:50] if kind is not object)
     try:
-        message = str(error)
+        message = str(error)[:LONGEST]
     except Exception:  # noqa: BLE001  # a student's __str__ may itself fail
         message = "(its text cannot be printed)"
     if isinstance(error, SyntaxError):
-        return Trouble(
-            types, message, "", error.lineno or 0, (error.text or "").strip(), error.filename or ""
-        )
+        text, place = (error.text or "").strip()[:LONGEST], (error.filename or "")[:LONGEST_NAME]
+        return Trouble(types, message, "", error.lineno or 0, text, place)
     own = [f for f in traceback.extract_tb(error.__traceback__) if not _is_library(f.filename)]
     if not own:
         return Trouble(types, message)
     frame = own[-1]
     source = frame.line or linecache.getline(frame.filename, frame.lineno or 0).strip()
-    return Trouble(types, message, frame.name, frame.lineno or 0, source, _place(frame.filename))
+    name, place = frame.name[:LONGEST_NAME], _place(frame.filename)[:LONGEST_NAME]
+    return Trouble(types, message, name, frame.lineno or 0, source[:LONGEST], place)
 
 
 def _place(filename: str) -> str:

@@ -62,6 +62,10 @@ class Limits:
         Seconds until it is ready for a notebook.
     patience : float
         What takes so many times its limit, and a second more, on the clock is taken to hang.
+    threads : int
+        Threads of all workers together, and of whoever else runs as the same user.
+    answers : int
+        Bytes of memory that the answers of one function may take together here: they are kept for the report.
     least : Level
         The confinement that it must reach; it gets no notebook otherwise.
     """
@@ -74,6 +78,8 @@ class Limits:
     files: int = 2000
     start: float = START
     patience: float = 10.0
+    threads: int = 4096
+    answers: int = 64 * 2**20
     least: Level = "limits"
 
     def wall(self, seconds: float) -> float:
@@ -89,6 +95,7 @@ class Limits:
             "RLIMIT_FSIZE": self.file,
             "RLIMIT_NOFILE": 256,
             "RLIMIT_CORE": 0,
+            "RLIMIT_NPROC": self.threads,
         }
 
 

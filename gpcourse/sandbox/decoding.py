@@ -9,11 +9,23 @@ from typing import Any
 import numpy as np
 
 from gpcourse.errors import GeometryError, WireError
+from gpcourse.geometry.functions import FUNCTIONS
 from gpcourse.geometry.halfedge_mesh import HalfedgeMesh
-from gpcourse.sandbox.encoding import DTYPES, MAX_BITS, MAX_DEPTH, MAX_ITEMS, MAX_KEY, MAX_TEXT, MESH_RECORDS
+from gpcourse.sandbox.encoding import (
+    DTYPES,
+    MAX_BITS,
+    MAX_DENSE,
+    MAX_DEPTH,
+    MAX_ITEMS,
+    MAX_KEY,
+    MAX_OPAQUE,
+    MAX_TEXT,
+    MESH_RECORDS,
+)
 
-#: The most numbers that a sparse matrix may have when it is written out densely, as checks do.
-MAX_DENSE = 2**27
+#: The most characters that the strings of a list may have when each gets the length of the longest, as numpy
+#: gives it: a long one among many short ones would fill the memory.
+MAX_TABLE = 2**26
 
 
 class Opaque:
@@ -23,9 +35,9 @@ class Opaque:
         return f"<{type(self).__name__}>"
 
 
-def decode(tree: object, buffers: list[memoryview]) -> Any:
-    """Build the value of a tree, or raise WireError."""
-    decoder = Decoder(buffers)
+def decode(tree: object, buffers: list[memoryview], *, functions: bool = False) -> Any:
+    """Build the value of a tree, or raise WireError; `functions` are refused unless they are asked for."""
+    decoder = Decoder(buffers, functions=functions)
     value = decoder.decode(tree)
     if decoder.unused:
         raise WireError(f"{len(decoder.unused)} buffers that no array uses")
@@ -35,20 +47,26 @@ def decode(tree: object, buffers: list[memoryview]) -> Any:
 class Decoder:
     """Builds one value. Each buffer is used once, so that a short frame cannot stand for a long value."""
 
-    def __init__(self, buffers: list[memoryview]) -> None:
+    def __init__(self, buffers: list[memoryview], *, functions: bool = False) -> None:
+        self.functions = functions
         self.buffers = buffers
         self.unused = set(range(len(buffers)))
         self.items = 0
+        self.leaves = 0
+        self.longest = 0
+        self.opaque = 0
 
     def decode(self, tree: object, depth: int = 0) -> Any:
         """Return the value of `tree`."""
         if depth > 2 * MAX_DEPTH + 4:
             raise WireError(f"a value nested more than {MAX_DEPTH} levels deep")
+        self.leaves += 1
         if tree is None or isinstance(tree, (bool, float)):
             return tree
         if isinstance(tree, int):
             return _checked(tree, tree.bit_length() <= 64, "a whole number that is too long")
         if isinstance(tree, str):
+            self.longest = max(self.longest, len(tree))
             return _text(tree)
         kind = tree[0] if isinstance(tree, list) and tree else None
         build = _BUILDERS.get(kind) if isinstance(kind, str) else None
@@ -62,7 +80,12 @@ class Decoder:
 
     def _sequence(self, body: list[Any], depth: int) -> list[Any]:
         """A list of values."""
-        return [self.decode(item, depth + 1) for item in body]
+        longest, self.longest, leaves = self.longest, 0, self.leaves
+        values = [self.decode(item, depth + 1) for item in body]
+        if self.longest * (self.leaves - leaves) > MAX_TABLE:
+            raise WireError(f"a list of {len(values):,} items with a string of {self.longest:,} characters")
+        self.longest = max(longest, self.longest)
+        return values
 
     def _tuple(self, body: list[Any], depth: int) -> tuple[Any, ...]:
         """A tuple of values."""
@@ -160,6 +183,16 @@ class Decoder:
         except GeometryError as error:
             raise WireError(f"a mesh that is broken: {error}") from None
 
+    def _function(self, body: list[Any], depth: int) -> Any:
+        """A function of the geometry layer, by its name and parameters: it goes there, never comes back."""
+        kind = FUNCTIONS.get(body[0]) if self.functions and body and isinstance(body[0], str) else None
+        if kind is None:
+            raise WireError("a function where only values may come")
+        try:
+            return kind(*self._sequence(body[1:], depth))
+        except (GeometryError, TypeError) as error:  # TypeError: too many parameters, or too few
+            raise WireError(f"a function that is broken: {error}") from None
+
     def _integer(self, body: list[Any], depth: int) -> int:
         """A whole number beyond 64 bits."""
         (text,) = _fields(body, 1)
@@ -180,13 +213,18 @@ class Decoder:
     def _bytes(self, body: list[Any], depth: int) -> bytes:
         """A string of bytes."""
         (number,) = _fields(body, 1)
-        return bytes(self._buffer(number))
+        value = bytes(self._buffer(number))
+        self.longest = max(self.longest, len(value))
+        return value
 
     def _opaque(self, body: list[Any], depth: int) -> Opaque:
         """Something that cannot cross: only the name of its type is known."""
         (name,) = _fields(body, 1)
         if not isinstance(name, str) or not name.isidentifier() or len(name) > 100:
             raise WireError("a type whose name is no name")
+        self.opaque += 1
+        if self.opaque > MAX_OPAQUE:  # each is a class, of a thousand bytes
+            raise WireError(f"more than {MAX_OPAQUE:,} values of other kinds")
         stand_in: Opaque = type(_text(name), (Opaque,), {})()
         return stand_in
 
@@ -195,7 +233,8 @@ _BUILDERS: dict[str, Callable[[Decoder, list[Any], int], Any]] = {
     "list": Decoder._sequence, "tuple": Decoder._tuple, "set": Decoder._set, "dict": Decoder._dict,
     "array": Decoder._array, "scalar": Decoder._scalar, "objects": Decoder._objects,
     "sparse": Decoder._sparse, "mesh": Decoder._mesh, "int": Decoder._integer,
-    "complex": Decoder._complex, "bytes": Decoder._bytes, "opaque": Decoder._opaque,
+    "function": Decoder._function, "complex": Decoder._complex, "bytes": Decoder._bytes,
+    "opaque": Decoder._opaque,
 }  # fmt: skip
 
 

@@ -6,7 +6,6 @@ import contextlib
 import math
 import os
 import select
-import shutil
 import signal
 import sys
 import threading
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from gpcourse.errors import WireError
+from gpcourse.sandbox import folder as folders
 from gpcourse.sandbox import wire
 from gpcourse.sandbox.call import Status
 from gpcourse.sandbox.lockdown import LEVELS, Confinement
@@ -115,6 +115,8 @@ class Line:
 
         Raises WireError if the request cannot be sent as a frame: nothing happens to the process then.
         """
+        if self.closed:  # the numbers of its pipes may be another file's by now
+            raise Gone("crashed", "the Python process has ended")
         (frame,) = self.replies(1, seconds, wall, do=do, **content)
         try:
             answer = wire.unpack(frame)
@@ -184,8 +186,7 @@ class Line:
         with contextlib.suppress(OSError):
             if self.last_words is not None:
                 return os.pread(self.last_words.fileno(), 4096, 0).decode("ascii", "replace")
-            with (self.folder / CRASH_FILE).open("rb") as file:
-                return file.read(4096).decode("ascii", "replace")
+            return folders.read_start(self.folder / CRASH_FILE, 4096).decode("ascii", "replace")
         return ""
 
     def _until(self, seconds: float, wall: float) -> Until:
@@ -278,7 +279,7 @@ class Line:
             os.close(pipe)
         if self.last_words is not None:
             self.last_words.close()
-        shutil.rmtree(self.scratch, ignore_errors=True)
+        folders.remove(self.scratch)
 
 
 def _ending(code: int | None) -> str:

@@ -111,6 +111,7 @@ class Worker:
     start: Callable[[Path, Limits], Line] = launch
     _line: Line | None = None
     _ready: dict[str, Ready] = field(default_factory=dict)
+    _kept: dict[str, int] = field(default_factory=dict)
 
     def __enter__(self) -> Worker:
         return self
@@ -130,6 +131,7 @@ class Worker:
         try:
             reply = self._start()
         except Gone as gone:
+            self.close()
             return Survey(crash=self._trouble(gone))
         return Survey(
             _words(reply.get("names")), _words(reply.get("stubs")), _troubles(reply.get("broken"), self._line)
@@ -173,6 +175,7 @@ class Worker:
         if sys.platform == "win32":  # where a pipe that is full cannot be waited for
             questions, refusals = questions[:1], refusals[:1]
         replies: list[Reply] = []
+        full: Reply | None = None
         try:
             ready = self._prepare(name)
             if ready.status != "ready" or self._line is None:
@@ -190,16 +193,30 @@ class Worker:
                 wall=wall,
             )
             for frame in frames:
-                replies.append(Reply(frame, self._line))
+                if self._keeps(name, frame):
+                    replies.append(Reply(frame, self._line))
+                elif full is None:  # what still comes is read and dropped
+                    full = Reply(said=_too_much(name, self.limits.answers))
         except Gone as gone:
             self.close()
-            replies.append(Reply(said=Answer(gone.status, trouble=self._trouble(gone))))
-        return replies
+            full = full or Reply(said=Answer(gone.status, trouble=self._trouble(gone)))
+        return replies if full is None else [*replies, full]
+
+    def _keeps(self, name: str, frame: bytes) -> bool:
+        self._kept[name] = self._kept.get(name, 0) + wire.weight(frame[: wire.HEAD.size])
+        return self._kept[name] <= self.limits.answers
 
     def _start(self) -> dict[Any, Any]:
         self._line = self.start(self.package, self.limits)
         seconds = self.limits.load + GRACE
-        return self._line.request("load", seconds, self.limits.wall(seconds), cells=self.cells)
+        # As bytes: a cell may be longer than a string that can cross.
+        texts = [source.encode("utf-8", "replace") for _, source in self.cells]
+        cells = {
+            "numbers": [n for n, _ in self.cells],
+            "sizes": list(map(len, texts)),
+            "text": b"".join(texts),
+        }
+        return self._line.request("load", seconds, self.limits.wall(seconds), **cells)
 
     def _prepare(self, name: str) -> Ready:
         if self._line is None:
@@ -240,6 +257,12 @@ def answer_from(reply: dict[Any, Any], line: Line | None = None) -> Answer:
         _words(reply.get("changed")),
         seconds if isinstance(seconds, float) and seconds >= 0 else 0.0,
     )
+
+
+def _too_much(name: str, limit: int) -> Answer:
+    """The answer of a function whose answers together would fill the grader's memory."""
+    message = f"the results of {name} are too large: together more than {limit // 2**20} MB"
+    return Answer("raised", trouble=Trouble(("ResultError",), message))
 
 
 def _refusal(name: str, ready: Ready) -> Answer:

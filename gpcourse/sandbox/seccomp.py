@@ -52,13 +52,15 @@ fchownat 260 54, utime 132 -, utimes 235 -, futimesat 261 -, utimensat 280 88, s
 lsetxattr 189 6, fsetxattr 190 7, removexattr 197 14, lremovexattr 198 15, fremovexattr 199 16,
 truncate 76 45,
 # what would outlive the scratch folder, or tell what others do
-mq_open 240 180, mq_unlink 241 181, msgget 68 186, semget 64 190, shmget 29 194, inotify_init 253 -,
+mq_open 240 180, mq_unlink 241 181, msgget 68 186, msgsnd 69 189, msgrcv 70 188, msgctl 71 187,
+semget 64 190, semop 65 193, semctl 66 191, semtimedop 220 192,
+shmget 29 194, shmat 30 196, shmctl 31 195, inotify_init 253 -,
 inotify_init1 294 26, inotify_add_watch 254 27, fanotify_init 300 262, fanotify_mark 301 263,
 """
 
 #: Numbers, on x86_64 and aarch64, of calls that depend on an argument, and how the kernel names the machine.
-_CLONE, _CLONE3, _KILL, _TGKILL, _PRLIMIT, _AFFINITY, _PRCTL = (
-    (56, 220), (435, 435), (62, 129), (234, 131), (302, 261), (203, 122), (157, 167),
+_CLONE, _CLONE3, _KILL, _TGKILL, _PRLIMIT, _AFFINITY, _PRCTL, _FCNTL = (
+    (56, 220), (435, 435), (62, 129), (234, 131), (302, 261), (203, 122), (157, 167), (72, 25),
 )  # fmt: skip
 _MACHINES = ("x86_64", "aarch64")
 _AUDIT = (0xC000003E, 0xC00000B7)
@@ -67,10 +69,13 @@ _X32 = 0x40000000
 _CLONE_THREAD = 0x10000
 #: Options of prctl that name a thread or a piece of memory, or ask what holds.
 _HARMLESS = (3, 15, 16, 21, 23, 39, 0x53564D41)
+#: Commands of fcntl that let the kernel signal a process of one's choice when a pipe has something to read:
+#: whoever reads the answers, with any signal. (F_SETOWN, F_SETSIG, F_SETOWN_EX)
+_SIGNALLING = (8, 10, 15)
 
 _KILL_PROCESS, _ALLOW, _ERRNO = 0x80000000, 0x7FFF0000, 0x00050000
 _LOAD, _EQUAL, _AT_LEAST, _ANY_BIT, _RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
-_NUMBER_AT, _ARCH_AT, _ARGUMENT_AT = 0, 4, 16
+_NUMBER_AT, _ARCH_AT, _ARGUMENT_AT, _SECOND_AT = 0, 4, 16, 24
 _SECCOMP, _MODE_FILTER = 22, 2
 
 Instruction = tuple[int, int, int, int]  # code, jump if true, jump if false, constant
@@ -121,12 +126,23 @@ def _filter(machine: int, own: int) -> Iterator[Instruction]:
     for call in (_PRLIMIT, _AFFINITY):
         yield from _depends(call[machine], _EQUAL, (0, own))
     yield from _depends(_PRCTL[machine], _EQUAL, _HARMLESS)
+    yield from _refuse_second(_FCNTL[machine], _SIGNALLING)
     yield _RETURN, 0, 0, _ALLOW
 
 
 def _refuse(number: int, code: int) -> Iterator[Instruction]:
     yield _EQUAL, 0, 1, number
     yield _RETURN, 0, 0, _ERRNO | code
+
+
+def _refuse_second(number: int, refused: Sequence[int]) -> Iterator[Instruction]:
+    """Refuse the call `number` if its second argument is one of the constants `refused`."""
+    yield _EQUAL, 0, len(refused) + 3, number
+    yield _LOAD, 0, 0, _SECOND_AT
+    for i, constant in enumerate(refused):
+        yield _EQUAL, len(refused) - i, 0, constant
+    yield _RETURN, 0, 0, _ALLOW
+    yield _RETURN, 0, 0, _ERRNO | errno.EPERM
 
 
 def _depends(number: int, test: int, allowed: Sequence[int]) -> Iterator[Instruction]:

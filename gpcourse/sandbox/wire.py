@@ -28,6 +28,8 @@ HEAD = struct.Struct("<4sIQ")
 #: The most that a frame may hold: bytes of JSON, and bytes of raw buffers.
 MAX_HEADER = 8 * 2**20
 MAX_BUFFERS = 256 * 2**20
+#: Bytes of Python's objects for a byte of JSON: ``["set"],`` becomes a list and a set of 216 bytes.
+_OBJECTS = 48
 
 
 def pack(value: object, *, lenient: bool = False) -> bytes:
@@ -37,7 +39,8 @@ def pack(value: object, *, lenient: bool = False) -> bytes:
     ----------
     value : object
         None, bool, int, float, complex, str, bytes; numpy scalars and arrays of numbers; SciPy sparse
-        matrices; lists, tuples, sets, and dicts with str or int keys, of such; HalfedgeMesh.
+        matrices; lists, tuples, sets, and dicts with str or int keys, of such; HalfedgeMesh; and, unless
+        `lenient`, functions of `geometry.functions`.
     lenient : bool
         Whether a value of another kind is sent as its type's name (an `Opaque` on the other side).
 
@@ -57,16 +60,18 @@ def pack(value: object, *, lenient: bool = False) -> bytes:
     return b"".join([HEAD.pack(MAGIC, len(header), total), header, *encoder.buffers])
 
 
-def unpack(frame: bytes) -> Any:
-    """Read the value of one whole frame, or raise WireError."""
+def unpack(frame: bytes, *, functions: bool = False) -> Any:
+    """Read the value of one whole frame, or raise WireError. It may hold `functions` if that is said."""
     header, buffers = lengths(frame[: HEAD.size])
     if len(frame) != HEAD.size + header + buffers:
         raise WireError(f"a frame of {len(frame)} bytes that announces {HEAD.size + header + buffers}")
-    return _parse(memoryview(frame), header)
+    return _parse(memoryview(frame), header, functions)
 
 
-def receive(read: Callable[[int], bytes]) -> Any:
+def receive(read: Callable[[int], bytes], *, functions: bool = False) -> Any:
     """Read one frame by calling ``read(n)``, which returns exactly n bytes, or fewer at the end.
+
+    It may hold `functions` only where that is said.
 
     Raises
     ------
@@ -82,7 +87,7 @@ def receive(read: Callable[[int], bytes]) -> Any:
     body = read(length)
     if len(body) != length:
         raise WireError(f"a frame that ends after {len(body)} of {length} bytes")
-    return unpack(head + body)
+    return unpack(head + body, functions=functions)
 
 
 def lengths(head: bytes) -> tuple[int, int]:
@@ -97,7 +102,13 @@ def lengths(head: bytes) -> tuple[int, int]:
     return header, buffers
 
 
-def _parse(frame: memoryview, header: int) -> Any:
+def weight(head: bytes) -> int:
+    """Return about how many bytes of memory the value of a frame takes at most, or raise WireError."""
+    header, buffers = lengths(head)
+    return _OBJECTS * header + buffers
+
+
+def _parse(frame: memoryview, header: int, functions: bool) -> Any:
     start = HEAD.size + header
     try:
         content = json.loads(bytes(frame[HEAD.size : start]))
@@ -114,4 +125,4 @@ def _parse(frame: memoryview, header: int) -> Any:
         start += size
     if start != len(frame):
         raise WireError(f"{len(frame) - start} bytes that belong to no buffer")
-    return decode(tree, buffers)
+    return decode(tree, buffers, functions=functions)

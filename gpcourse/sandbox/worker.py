@@ -3,7 +3,7 @@
 It knows of no exercise, check, seed or solution. Its requests and replies are the frames of `wire`, on pipes
 that were its standard input and output; student code finds nothing but the null device there. The requests:
 
-- ``load`` (cells): which functions there are, which of them are stubs, which cells are broken;
+- ``load`` (numbers, sizes, text): which functions there are, which are stubs, which cells are broken;
 - ``prepare`` (name, limit, wall): run what that function needs, in a namespace of its own;
 - ``call`` (name, refusals, limit, wall), and after it a frame (arguments, options) for each of `refusals`:
   call it so many times, one reply a call. After a call that did not return, the others are skipped; where the
@@ -18,6 +18,7 @@ from __future__ import annotations
 import builtins
 import contextlib
 import faulthandler
+import itertools
 import os
 import random
 import struct
@@ -32,7 +33,7 @@ import numpy as np
 
 from gpcourse.errors import WireError
 from gpcourse.sandbox import wire
-from gpcourse.sandbox.call import Answer, Trouble, call, describe
+from gpcourse.sandbox.call import LONGEST_NAME, Answer, Trouble, call, describe
 from gpcourse.sandbox.deadline import TimeLimit, deadline
 from gpcourse.sandbox.landlock import Grant
 from gpcourse.sandbox.lockdown import lock, readings
@@ -43,6 +44,8 @@ CRASH_FILE = "crash.txt"
 
 #: What stands before the frame of a reply.
 REPLY = struct.Struct("<QI?")
+#: The most names and notes that are handed over.
+_MOST_NAMES, _MOST_NOTES = 10_000, 50
 
 Message = dict[str, Any]
 
@@ -64,14 +67,18 @@ class Notebook:
         self.program = Program([])
         self.rooms: dict[str, Room] = {}
 
-    def load(self, cells: list[tuple[int, str]]) -> Message:
-        """Read the cells; nothing of them is run."""
+    def load(self, numbers: list[int], sizes: list[int], text: bytes) -> Message:
+        """Read the cells, whose texts follow each other in UTF-8; nothing of them is run."""
+        ends = itertools.accumulate(sizes)
+        cells = (
+            (n, text[end - size : end].decode()) for n, size, end in zip(numbers, sizes, ends, strict=True)
+        )
         self.program, self.rooms = Program(cells), {}
-        names = sorted(self.program.binders)
+        names = sorted(name for name in self.program.binders if len(name) <= LONGEST_NAME)[:_MOST_NAMES]
         return {
             "names": names,
             "stubs": [name for name in names if self.program.is_stub(name)],
-            "broken": [astuple(trouble) for trouble, _ in self.program.broken],
+            "broken": [astuple(trouble) for trouble, _ in self.program.broken[:_MOST_NOTES]],
         }
 
     def prepare(self, name: str, limit: float, wall: float) -> Message:
@@ -86,7 +93,8 @@ class Notebook:
         if room.status == "ready" and not callable(vars(room.module).get(name)):
             room.trouble = room.trouble or self.program.loss(name)
             room.status = "missing" if room.trouble is None else "raised"
-        return {"status": room.status, "trouble": _plain(room.trouble), "notes": room.notes}
+        notes = room.notes[:_MOST_NOTES]
+        return {"status": room.status, "trouble": _plain(room.trouble), "notes": notes}
 
     def _run(self, statement: Statement, room: Room, name: str) -> None:
         try:
@@ -189,7 +197,7 @@ def _call_all(
 ) -> None:
     more = True
     for i, may_raise in enumerate(refusals):
-        arguments, options = wire.receive(read)
+        arguments, options = wire.receive(read, functions=True)
         if not more:
             continue
         answer = notebook.call(name, arguments, options, limit, wall)

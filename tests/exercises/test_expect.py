@@ -118,3 +118,10 @@ def test_cycles_are_equal_from_any_start():
     assert not expect.cyclic_equal([1, 2, 3], [3, 2, 1])
     assert not expect.cyclic_equal([1, 2], [1, 2, 3])
     assert expect.cyclic_equal([], [])
+
+
+def test_an_array_of_objects_is_one_of_numbers_if_all_of_them_are():
+    assert expect.array(np.array([[1, 2.5]], dtype=object), (1, 2)).dtype == float
+    for value in (["1", 2.5], [object(), 1], [2**2000, 1.0], [None, 1.0]):
+        with pytest.raises(expect.Wrong):
+            expect.array(np.array(value, dtype=object), (2,))

@@ -45,10 +45,15 @@ def test_a_link_does_not_lead_to_what_is_hidden(tmp_path):
     assert may_read(root / "site/b.py", grants)
 
 
-def decision(machine, number, argument=0, arch=None):
+def decision(machine, number, argument=0, arch=None, second=0):
     """Run the filter on one call, as the kernel does."""
     program = list(seccomp._filter(machine, OWN))
-    data = {0: number, 4: seccomp._AUDIT[machine] if arch is None else arch, 16: argument & 0xFFFFFFFF}
+    data = {
+        0: number,
+        4: seccomp._AUDIT[machine] if arch is None else arch,
+        16: argument & 0xFFFFFFFF,
+        24: second,
+    }
     at = value = 0
     while True:
         code, if_true, if_false, constant = program[at]
@@ -74,7 +79,7 @@ def test_the_filter_refuses_what_it_lists_and_nothing_else(machine):
     assert {decision(machine, number) for number in denied.values()} == {REFUSED}
     depending = {pair[machine] for pair in (
         seccomp._CLONE, seccomp._CLONE3, seccomp._KILL, seccomp._TGKILL, seccomp._PRLIMIT,
-        seccomp._AFFINITY, seccomp._PRCTL,
+        seccomp._AFFINITY, seccomp._PRCTL, seccomp._FCNTL,
     )}  # fmt: skip
     others = set(range(500)) - set(denied.values()) - depending
     assert {decision(machine, number) for number in others} == {ALLOWED}
@@ -94,6 +99,14 @@ def test_the_filter_refuses_what_it_lists_and_nothing_else(machine):
 )  # fmt: skip
 def test_calls_that_depend_on_their_first_argument(machine, call, argument, seen):
     assert decision(machine, call[machine], argument) == seen
+
+
+@pytest.mark.parametrize("machine", MACHINES.values(), ids=MACHINES)
+def test_no_pipe_signals_another_process(machine):
+    """fcntl: F_SETOWN, F_SETSIG and F_SETOWN_EX are refused; F_GETFL, F_SETFL and F_SETLK are not."""
+    fcntl = seccomp._FCNTL[machine]
+    assert [decision(machine, fcntl, 9, second=c) for c in (8, 10, 15)] == [REFUSED] * 3
+    assert [decision(machine, fcntl, 8, second=c) for c in (3, 4, 6)] == [ALLOWED] * 3
 
 
 @pytest.mark.parametrize("machine", MACHINES.values(), ids=MACHINES)

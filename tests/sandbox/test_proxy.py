@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 
 from gpcourse.errors import WireError
+from gpcourse.geometry import functions
 from gpcourse.geometry.halfedge_mesh import HalfedgeMesh
 from gpcourse.sandbox import home
 from gpcourse.sandbox.confine import Limits
+from gpcourse.sandbox.folder import read_start, remove
+from gpcourse.sandbox.line import Gone
 from gpcourse.sandbox.proxy import Worker, answer_from
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="signals and limits are those of POSIX")
@@ -289,3 +292,85 @@ def test_a_busy_machine_takes_nothing_from_a_limit(worker):
             burner.wait()
     assert answer.status == "returned"
     assert answer.value > 0.6
+
+
+def test_a_process_that_dies_while_it_reads_is_replaced(worker):
+    w = worker("def f(): return 1")
+    start, w.start = w.start, lambda package, limits: dying(start(package, limits))
+
+    def dying(line):
+        line.kill()
+        return line
+
+    assert "SIGKILL" in w.survey().crash.message
+    w.start = start
+    assert ask(w, "f").value == 1
+
+
+def test_a_line_that_is_closed_writes_to_nobody(worker):
+    w = worker("def f(): return 1")
+    assert ask(w, "f").value == 1
+    line = w._line
+    line.close()
+    with pytest.raises(Gone):
+        line.request("call", 1.0, 1.0)
+
+
+def test_answers_that_are_kept_do_not_fill_our_memory(worker):
+    w = worker("import numpy as np\ndef f(n): return np.zeros(n)\ndef g(): return 1", answers=2**20)
+    statuses = [ask(w, "f", 10**5).status for _ in range(3)]  # 0.8 MB each
+    assert statuses == ["returned", "raised", "raised"]
+    assert "too large: together" in ask(w, "f", 1).trouble.message
+    assert ask(w, "g").value == 1
+
+
+def test_a_message_may_be_long_and_stays_what_it_is(worker):
+    w = worker("def f(): raise ValueError('3 ' + 'x' * 3 * 10**6)\ny = [1] + 'x'\ndef g(): return y")
+    trouble = ask(w, "f").trouble
+    assert trouble.types[:1] == ("ValueError",)
+    assert trouble.message.startswith("3 xxx")
+
+
+def test_a_cell_may_be_longer_than_a_text_that_crosses(worker):
+    w = worker("data = '" + "ü" * 2_000_000 + "'", "def f(): return len(data)", "z = '" + "x" * 2_000_000)
+    assert ask(w, "f").value == 2_000_000
+    assert [t.place for t in w.survey().broken] == ["cell 3"]
+
+
+@posix
+def test_what_a_folder_holds_is_not_trusted(tmp_path):
+    folder = tmp_path / "scratch"
+    (folder / "a" / "b").mkdir(parents=True)
+    (tmp_path / "theirs").write_text("x")
+    (folder / "link").symlink_to(tmp_path / "theirs")
+    (folder / "a" / "up").symlink_to(tmp_path)
+    os.mkfifo(folder / "fifo")
+    for name in ("link", "fifo", "a", "nothing"):
+        with pytest.raises(OSError):  # noqa: PT011  # a link, a pipe, a folder, nothing: each has its number
+            read_start(folder / name, 10)
+    assert read_start(tmp_path / "theirs", 10) == b"x"
+    top = os.open(folder, os.O_RDONLY)
+    for _ in range(1100):  # deeper than a function may call itself
+        os.mkdir("d", dir_fd=top)
+        inner = os.open("d", os.O_RDONLY, dir_fd=top)
+        os.close(top)
+        top = inner
+    os.close(top)
+    (folder / "a" / "b").chmod(0)
+    remove(folder)
+    assert [p.name for p in tmp_path.iterdir()] == ["theirs"]
+
+
+def test_a_function_of_space_is_called_where_the_student_is(worker):
+    w = worker(
+        "import numpy as np\n"
+        "def slope(F, points, h):\n"
+        "    differences = [F(points + h * e) - F(points - h * e) for e in np.eye(3)]\n"
+        "    return np.stack(differences, axis=-1) / (2 * h)\n"
+        "def keep(F): return F\n"
+    )
+    points = np.linspace(-1, 1, 12).reshape(4, 3)
+    answer = ask(w, "slope", functions.sphere([0, 0, 1], 2.0), points, 1e-3)
+    assert answer.value == pytest.approx(2 * (points - [0, 0, 1]))  # exact: the polynomial is quadratic
+    assert answer.changed == ()
+    assert type(ask(w, "keep", functions.helix(1.0, 1.0)).value).__name__ == "TrigonometricCurve"

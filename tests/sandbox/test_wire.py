@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scipy import sparse
 
 from gpcourse.errors import WireError
+from gpcourse.geometry import functions
 from gpcourse.geometry.halfedge_mesh import HalfedgeMesh
 from gpcourse.sandbox import wire
 from gpcourse.sandbox.encoding import DTYPES
@@ -91,8 +92,8 @@ trees = st.recursive(
     lambda inner: st.lists(inner, max_size=5)
     | st.tuples(
         st.sampled_from(
-            ["list", "tuple", "set", "dict", "array", "scalar", "objects", "sparse", "mesh", "int",
-             "complex", "bytes", "opaque"]
+            ["list", "tuple", "set", "dict", "function", "array", "scalar", "objects", "sparse", "mesh",
+             "int", "complex", "bytes", "opaque"]
         ),
         st.lists(inner, max_size=4),
     ).map(lambda pair: [pair[0], *pair[1]]),
@@ -142,6 +143,47 @@ def test_reading_a_forged_frame_takes_little_memory():
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 1_000_000
+
+
+def peak_of(frame):
+    """Return the bytes of memory that reading a frame takes at most, and whether it is a value."""
+    tracemalloc.start()
+    try:
+        np.asarray(wire.unpack(frame), dtype=object)
+        return tracemalloc.get_traced_memory()[1], True
+    except WireError:
+        return tracemalloc.get_traced_memory()[1], False
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize(
+    "tree", [["list"], ["set"], ["dict"], ["opaque", "a"], ["int", "1"], 1.5, "ab"], ids=str
+)
+def test_a_frame_takes_no_more_memory_than_its_weight(tree):
+    frame = frame_of(["list", *[tree] * 20_000])
+    assert peak_of(frame)[0] < wire.weight(frame[: wire.HEAD.size]) + 100_000
+
+
+def test_a_long_text_among_short_ones_would_fill_the_memory_and_is_refused():
+    """numpy gives each text of an array the length of the longest: here 4 GB."""
+    for long in ("x" * 2**20, b"x" * 2**20):
+        with pytest.raises(WireError, match="characters"):
+            there_and_back(["y", [long, *["y"] * 1000]])
+    assert len(there_and_back(["x" * 1000] * 1000)) == 1000
+
+
+@pytest.mark.parametrize("send", [lambda: [object() for _ in range(1100)], lambda: [Foo()] * 1100])
+def test_each_value_of_another_kind_is_a_class_and_they_are_few(send):
+    with pytest.raises(WireError, match="too many"):
+        wire.pack(send(), lenient=True)
+    with pytest.raises(WireError, match="other kinds"):
+        wire.unpack(frame_of(["list", *[["opaque", f"a{i}"] for i in range(1100)]]))
+
+
+def test_a_sparse_matrix_that_would_be_large_if_written_out_does_not_cross():
+    with pytest.raises(WireError, match="too large"):
+        wire.pack(sparse.csr_array((10**4, 10**6)))
 
 
 def test_a_stream_holds_frame_after_frame_and_says_when_it_ends():
@@ -270,3 +312,32 @@ def test_what_is_too_large_is_refused_before_it_is_written(value, word):
 
 def test_a_lone_surrogate_becomes_a_question_mark():
     assert there_and_back("a\ud800b") == "a?b"
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        functions.sphere([1, 2, 3], 2.0), functions.Waves([1.0, 2.0], np.eye(3)[:2], [0.1, 0.2], 3.0),
+        functions.sampled(lambda x: x[..., 0] ** 2, [0, 0, 0], [1, 1, 2], 4), functions.helix(2.0, 0.3),
+    ],
+)  # fmt: skip
+def test_a_function_goes_to_a_student_by_its_parameters_and_never_comes_back(function):
+    sent = wire.pack((function, 1))
+    back = wire.unpack(sent, functions=True)[0]
+    assert same(back, function)
+    where = np.linspace(0, 1, 12).reshape(4, 3)
+    assert np.array_equal(back(where), function(where))
+    with pytest.raises(WireError, match="only values"):
+        wire.unpack(sent)
+    assert type(there_and_back(function, lenient=True)).__name__ == type(function).__name__
+    assert not callable(there_and_back(function, lenient=True))
+
+
+@pytest.mark.parametrize(
+    "tree",
+    [["function"], ["function", "system"], ["function", "Quadric"], ["function", "Quadric", 1, 2, 3],
+     ["function", "Quadric", *[None] * 9], ["function", ["Quadric"]]],
+)  # fmt: skip
+def test_a_function_that_is_none_of_ours_is_refused(tree):
+    with pytest.raises(WireError, match="function"):
+        wire.unpack(frame_of(tree), functions=True)

@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+import platform
 import sys
 from pathlib import Path
 
@@ -12,8 +13,9 @@ from gpcourse.exercises import expect
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.grading.judge import judge_submission
 from gpcourse.grading.submission import read_folder
-from gpcourse.sandbox import confine, home
+from gpcourse.sandbox import confine, home, proxy
 from gpcourse.sandbox.forking import can_fork
+from gpcourse.sandbox.lockdown import LEVELS
 from gpcourse.sandbox.proxy import Worker
 
 if sys.platform == "win32":
@@ -28,10 +30,22 @@ def load(name):
     return module
 
 
-table = load("table")
+attack, ending, resources, tampering, honest, damaged = map(
+    load, ("attack", "ending", "resources", "tampering", "honest", "damaged")
+)
+ATTACKS = [*ending.ENDING, *resources.RESOURCES, *tampering.TAMPERING]
 
-HONEST = "def plus_one(x):\n    return x + 1"
-LIMITS = confine.Limits(load=4.0, memory=2 * 2**30, patience=1.0)
+PLUS_ONE = "def plus_one(x):\n    return x + 1"
+LIMITS = confine.Limits(load=1.0, memory=2 * 2**30, patience=1.0, threads=500)
+
+#: Lines of the package that, replaced in a copy of it, leave out a part of the confinement.
+NO_NAMESPACES = (
+    "namespaces.py",
+    "def enter(",
+    "def enter(*_):\n    return View(('left out',))\n\n\ndef _enter(",
+)
+NO_LOCK = ("lockdown.py", "def lock(", "def lock(*_):\n    return Confinement()\n\n\ndef _lock(")
+LEFT_OUT = {"full": [], "restricted": [NO_NAMESPACES], "limits": [NO_NAMESPACES, NO_LOCK]}
 
 
 def twice(x):
@@ -49,37 +63,57 @@ def exercise(function, limit):
 
     @made.check("numbers", points=2)
     def _(f, rng):
-        for x in (3, 5):
+        for x in (3, 5, int(rng.integers(100, 10**6))):
             expect.close(expect.number(f(x)), float(function(x)), 0.0, "The result")
 
     return made
 
 
-EXERCISES = [exercise(twice, 1.0), exercise(plus_one, 5.0)]
+def scaled(v):
+    """Return an array times two."""
+    return 2 * v
 
 
-@pytest.fixture(scope="module")
-def package(tmp_path_factory):
-    return home.build(tmp_path_factory.mktemp("run") / "home")
+def arrays_exercise():
+    made = Exercise(scaled, notes="ch. 0", hints=["Look again."], time_limit=0.5)
+
+    @made.check("arrays", points=2)
+    def _(f, rng):
+        v = rng.normal(size=(5, 3))
+        before = v.copy()
+        expect.close(expect.array(f(v), (5, 3)), 2 * before, 1e-5, "The result")
+        assert (v == before).all()
+
+    return made
 
 
-@pytest.fixture(scope="module", params=["forked", "fresh"])
-def launch(package, request):
-    """Yield each way to start a worker that this machine has: forked it reaches the highest level."""
-    if request.param == "fresh":
-        yield confine.launch
-    elif not can_fork():
+EXERCISES = [exercise(twice, 0.5), exercise(plus_one, 5.0)]
+ARRAYS = [arrays_exercise(), EXERCISES[1]]
+
+
+@pytest.fixture(scope="module", params=LEVELS[::-1])
+def start(tmp_path_factory, request):
+    """Yield what forks workers at one of the levels, by leaving out what a machine of that level lacks."""
+    if not can_fork():
         pytest.skip("this system does not fork workers")
-    else:
-        with confine.launcher(package) as launch:
-            yield launch
+    package = home.build(tmp_path_factory.mktemp("run") / "home")
+    for name, old, new in LEFT_OUT[request.param]:
+        path = package / "gpcourse" / "sandbox" / name
+        text = path.read_text("utf-8")
+        assert text.count(old) == 1
+        path.write_text(text.replace(old, new), "utf-8")
+    with confine.launcher(package) as launch:
+        line = launch(package, LIMITS)
+        line.close()
+        if line.confinement.level != request.param:
+            pytest.skip(f"this machine reaches {line.confinement.level}: {line.confinement.missing}")
+        yield lambda: launch(package, LIMITS)
+        assert not list(package.parent.glob("scratch-*")), "a working folder is left"
 
 
-@pytest.fixture(scope="module")
-def level(launch, package):
-    line = launch(package, LIMITS)
-    line.close()
-    return line.confinement
+@pytest.fixture
+def level(start, request):
+    return request.node.callspec.params["start"]
 
 
 @pytest.fixture
@@ -98,12 +132,16 @@ def state(folder):
     }
 
 
-def judged(attack, package, outside, launch):
-    """Judge a real notebook of the attack; return the report and what was written into scratch folders."""
+def notebook(*cells):
+    return json.dumps({"cells": [{"cell_type": "code", "source": source} for source in cells]})
+
+
+def judged(text, outside, start, exercises=EXERCISES, seed=0, file="ada.ipynb"):
+    """Judge a real notebook; return the report and what was written into scratch folders."""
     texts = []
 
-    def start(package, limits):
-        line = launch(package, limits)
+    def start_and_watch(package, limits):
+        line = start()
         close = line.close
 
         def read_and_close():
@@ -114,37 +152,71 @@ def judged(attack, package, outside, launch):
         line.close = read_and_close
         return line
 
-    code = attack.cell.replace("OUTSIDE", str(outside)).replace("COURSE", str(home.PACKAGE))
-    cells = [{"cell_type": "code", "source": source} for source in (table.TOOLS, code, HONEST)]
     folder = outside.parent / "class"
     folder.mkdir()
-    (folder / "ada.ipynb").write_text(json.dumps({"cells": cells}), encoding="utf-8")
+    (folder / file).write_bytes(text if isinstance(text, bytes) else text.encode())
     submission = read_folder(folder)[0]
     report = judge_submission(
-        submission, EXERCISES, 0, lambda n: Worker(list(n.cells), package, LIMITS, start)
+        submission, exercises, seed, lambda n: Worker(list(n.cells), Path(), LIMITS, start_and_watch)
     )
     return report, "".join(texts)
 
 
-@pytest.mark.parametrize("attack", table.ATTACKS, ids=lambda attack: attack.name)
-def test_a_hostile_function_gets_what_it_deserves(attack, package, outside, launch, level, monkeypatch):
-    if attack.confined and not level.reaches("restricted"):
-        pytest.skip(f"this machine reaches the level {level.level!r}: {'; '.join(level.missing)}")
+@pytest.mark.parametrize("case", ATTACKS, ids=lambda case: case.name)
+def test_a_hostile_function_gets_what_it_deserves(case, outside, start, level, monkeypatch):
+    least = max(case.least, "restricted" if case.confined else "limits", key=LEVELS.index)
+    if LEVELS.index(level) < LEVELS.index(least):
+        pytest.skip(f"the level {least} stops it")
+    if "syscall" in case.cell and platform.machine() != "x86_64":
+        pytest.skip("the numbers of calls are those of x86_64")
     monkeypatch.setenv("SECRET", "1")
+    monkeypatch.setattr(proxy, "GRACE", 0.5)
     before = state(outside)
-    report, said = judged(attack, package, outside, launch)
+    code = case.cell.replace("OUTSIDE", str(outside)).replace("COURSE", str(home.PACKAGE))
+    report, said = judged(notebook(attack.TOOLS, code, PLUS_ONE), outside, start)
     hostile, honest = (one.verdict for one in report.judged)
     # What namespaces hide cannot even be refused.
-    signs = {attack.says, "FileNotFoundError"} if level.reaches("full") and attack.confined else {attack.says}
-    assert any(sign in said for sign in signs), "its body did not run"
+    signs = {*case.says.split("|"), *(["FileNotFoundError"] if level == "full" and case.confined else [])}
+    assert any(sign in said for sign in signs), f"its body did not run: {said[:500]}"
     assert "did it" not in said
-    assert hostile.outcome in attack.deserves
+    assert hostile.outcome in case.deserves
     assert hostile.points == (2 if hostile.outcome == "passed" else 0)
     assert (honest.outcome, honest.points) == ("passed", 2)
     assert report.status == "graded"
+    assert all(len(t) <= 2000 and t.isprintable() for t in texts_of(report))
     assert state(outside) == before
 
 
+@pytest.mark.parametrize("work", honest.HONEST, ids=lambda work: work.id)
+def test_honest_work_gets_all_its_points(work, outside, start, level):
+    if level == "limits":
+        pytest.skip("what passes confined passes free")
+    exercises = EXERCISES if work.name == "twice" else ARRAYS
+    report, said = judged(notebook(attack.TOOLS, work.cell, PLUS_ONE), outside, start, exercises)
+    assert "ran" in said or "a" in said
+    assert [(one.verdict.outcome, one.verdict.points) for one in report.judged] == [("passed", 2)] * 2
+    assert report.status == "graded"
+
+
+@pytest.mark.parametrize("damage", damaged.DAMAGED, ids=lambda damage: damage.id)
+def test_of_a_damaged_notebook_what_can_be_read_counts(damage, outside, start, level):
+    if level != "full":
+        pytest.skip("files are read before any worker is started")
+    report, said = judged(damage.make(attack.TOOLS), outside, start, file=damage.file)
+    assert tuple(one.verdict.outcome for one in report.judged) == damage.outcomes, report.notes
+    assert report.points == 2 * damage.outcomes.count("passed")
+    assert report.status == damage.status
+    assert damage.note in " ".join(report.notes)
+    assert ("ran" in said) == (damage.outcomes[0] in ("passed", "failed"))
+
+
+def texts_of(report):
+    """Return all that the report quotes of an exception."""
+    results = [result for one in report.judged for result in one.verdict.results]
+    troubles = [result.trouble for result in results if result.trouble is not None]
+    return [text for t in troubles for text in (t.message, t.function, t.source, t.place, *t.types)]
+
+
 def test_there_are_attacks_of_every_kind():
-    assert len({attack.name for attack in table.ATTACKS}) == len(table.ATTACKS) >= 40
+    assert len({attack.name for attack in ATTACKS}) == len(ATTACKS) >= 100
     assert Path(gpcourse.__file__).parent == home.PACKAGE

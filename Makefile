@@ -58,6 +58,7 @@ bench: $(BENCH_READY) ## compare the speed with other libraries (installs them, 
 	$(BIN)/python benchmarks/halfedge.py
 	$(BIN)/python benchmarks/registration.py
 	$(BIN)/python benchmarks/smoothing.py
+	$(BIN)/python benchmarks/viewer.py
 
 clean: ## remove .venv and everything that was built; keeps grades/, solved/ and the notebooks
 	rm -rf $(VENV) build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis

@@ -12,7 +12,8 @@ from typing import IO, Any
 import numpy as np
 
 from gpcourse.errors import DataError
-from gpcourse.geometry.arrays import FloatArray
+from gpcourse.geometry.arrays import FloatArray, IntArray
+from gpcourse.geometry.obj import read_obj
 from gpcourse.geometry.ply import Lists, ply_vertices, read_ply_elements
 from gpcourse.geometry.scans import Scan, grid_triangles
 
@@ -116,6 +117,21 @@ def range_scans() -> list[Scan]:
     """
     folder = bunny_folder()
     return load_scans(pebble_folder(), PEBBLE) if folder is None else load_scans(folder, BUNNY)
+
+
+def coursework_mesh(name: str) -> tuple[FloatArray, IntArray] | None:
+    """Return vertices and faces of a mesh of the coursework, or None if it is not here.
+
+    The course does not hold these meshes, as others made them. Whoever has them puts the files, such as
+    ``lilium_s.obj``, into the folder ``meshes`` of `data_folder`.
+
+    Raises
+    ------
+    ObjFormatError
+        If the file is damaged.
+    """
+    file = data_folder() / "meshes" / name
+    return read_obj(file.read_text(encoding="utf-8", errors="replace")) if file.is_file() else None
 
 
 def load_scans(folder: Path, scans: ScanSet) -> list[Scan]:

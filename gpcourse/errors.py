@@ -13,6 +13,7 @@ The tree::
     │   ├── FlipError                         this edge must not be flipped
     │   ├── SingularSystemError               a linear system without exactly one solution
     │   ├── OffFormatError                    the text is not an OFF file
+    │   ├── ObjFormatError                    the text is not an OBJ file
     │   └── PlyFormatError                    the file is not a PLY file, or it is damaged
     ├── DataError                             data made by others is not here, or damaged
     ├── ExerciseError                         no such exercise, or one that is declared badly
@@ -75,6 +76,10 @@ class OffFormatError(GeometryError):
     def __init__(self, line: int, message: str) -> None:
         super().__init__(f"line {line}: {message}")
         self.line = line
+
+
+class ObjFormatError(GeometryError):
+    """A text that is not an OBJ file, or is damaged."""
 
 
 class PlyFormatError(GeometryError):

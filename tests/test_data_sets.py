@@ -248,3 +248,12 @@ def test_the_real_scans_lie_on_one_another_at_their_poses(real):
 def test_the_sums_are_those_of_the_published_files(real):
     for name, expected in data_sets.BUNNY_SHA256.items():
         assert hashlib.sha256((real / "bunny" / name).read_bytes()).hexdigest() == expected
+
+
+def test_a_mesh_of_the_coursework_is_read_where_it_is_and_none_where_it_is_not(tmp_path, monkeypatch):
+    monkeypatch.setenv(data_sets.FOLDER_VARIABLE, str(tmp_path))
+    assert data_sets.coursework_mesh("lilium_s.obj") is None
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / "meshes" / "lilium_s.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    vertices, faces = data_sets.coursework_mesh("lilium_s.obj")
+    assert (vertices.shape, faces.tolist()) == ((3, 3), [[0, 1, 2]])

@@ -84,8 +84,19 @@ def corner_cotangents(vertices: object, faces: object) -> FloatArray:
     DegenerateFaceError
         If a face has no area.
     """
+    return cotangents_and_areas(vertices, faces)[0]
+
+
+def cotangents_and_areas(vertices: object, faces: object) -> tuple[FloatArray, FloatArray]:
+    """Return the (m, 3) cotangents of `corner_cotangents`, and the (m,) areas of the same faces.
+
+    Raises
+    ------
+    DegenerateFaceError
+        If a face has no area.
+    """
     sine, cosine = _sines_and_cosines(vertices, faces)
-    return np.asarray(cosine / sine[:, None])
+    return np.asarray(cosine / sine[:, None]), np.asarray(sine / 2)
 
 
 def vertex_normals(

@@ -81,7 +81,7 @@ class Parent:
         finally:
             os.close(theirs_in)
             os.close(theirs_out)
-        process = Forked(self, parent, answer["pid"], str(scratch))
+        process = Forked(self, parent, answer.get("seen", answer["pid"]), answer["pid"], str(scratch))
         folder = Path(f"/proc/{parent}/root{scratch}") if self._namespaced else scratch
         return confine.greeted(
             Line(process, ours_out, ours_in, scratch, folder=folder, last_words=last_words), limits
@@ -148,11 +148,14 @@ class Parent:
         return self._received()
 
     def _received(self) -> dict[str, Any]:
-        data = b"" if self._control is None else self._control.recv(2**16)
+        if self._control is None:
+            raise ConnectionError("it is not running")
+        data, handles, _, _ = socket.recv_fds(self._control, 2**16, 1)
+        seen = [_number(handle) for handle in handles]
         if not data:
             raise ConnectionError("its process has ended")
         answer: dict[str, Any] = json.loads(data)
-        return answer
+        return answer | {"seen": seen[0]} if seen else answer
 
     def _forget(self) -> None:
         if self._control is not None:
@@ -165,11 +168,12 @@ class Parent:
 
 @dataclass
 class Forked:
-    """A child of a parent."""
+    """A child of a parent. Its number is `pid` here, and `number` where the parent is."""
 
     family: Parent
     parent: int
     pid: int
+    number: int
     scratch: str
     _code: int | None = field(default=None, init=False)
 
@@ -177,13 +181,22 @@ class Forked:
         """Return its exit code, negative for the number of a signal; None while it runs."""
         if self._code is not None:
             return self._code
-        return self.family.ask(self.parent, do="code", pid=self.pid)
+        return self.family.ask(self.parent, do="code", pid=self.number)
 
     def end(self) -> int:
         """End it, wait for that, and return its exit code."""
         if self._code is None:
-            self._code = self.family.ask(self.parent, do="end", pid=self.pid, scratch=self.scratch)
+            self._code = self.family.ask(self.parent, do="end", pid=self.number, scratch=self.scratch)
         return -9 if self._code is None else self._code
+
+
+def _number(handle: int) -> int:
+    """Return the number that a process has here, and close its descriptor."""
+    try:
+        text = Path(f"/proc/self/fdinfo/{handle}").read_text("ascii")
+    finally:
+        os.close(handle)
+    return int(text.split("Pid:")[1].split()[0])
 
 
 def can_fork() -> bool:

@@ -93,7 +93,7 @@ def lock(
     missing = [] if forked or _alone() else ["one thread: a thread runs already that would stay free"]
     _drop_rights(scratch, package)
     if forked:
-        _die_with_parent()  # after the change of user, which forgets it
+        die_with_parent()  # after the change of user, which forgets it
     try:
         landlock.confine(readable, [scratch, Path(os.devnull)])
     except OSError as error:
@@ -148,7 +148,7 @@ def _drop_rights(scratch: Path, package: Path) -> None:
     ctypes.CDLL(None, use_errno=True).capset(ctypes.byref(header), ctypes.byref((ctypes.c_uint32 * 6)()))
 
 
-def _die_with_parent() -> None:
+def die_with_parent() -> None:
     """Let the kernel end this process when the one that forked it is gone."""
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
 

@@ -4,7 +4,9 @@ The parent of the workers enters them once: mounts of its own, in which it moves
 holds nothing but the libraries, to be read; no network; no channels to other processes. Each child then gets
 a numbering of processes of its own, in which it is alone, and a working folder of limited size.
 
-Root may do this; anybody else needs a user namespace, which some systems (Ubuntu 24.04) refuse.
+Root may do this; anybody else needs a user namespace, which some systems (Ubuntu 24.04) refuse. Such a one
+may not come back to the numbering of processes that it started in, as it has to between two children: so it
+goes on as a child of its own, the first in a new numbering.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import errno
 import os
 import platform
 import sys
+import tempfile
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -72,14 +75,13 @@ def enter(package: Path, course: Path) -> View:
     """
     if not sys.platform.startswith("linux") or platform.machine() not in _PIVOT_ROOT:
         return View((f"namespaces: {sys.platform} on {platform.machine()} has none that are used here",))
-    processes = os.open("/proc/self/ns/pid", os.O_RDONLY | os.O_CLOEXEC)
     try:
         _unshare(_NEW_MOUNTS | _NEW_NAMES | _NEW_CHANNELS | _NEW_NETWORK)
+        processes = os.open("/proc/self/ns/pid", os.O_RDONLY | os.O_CLOEXEC)
         _check(_libc().setns(processes, _NEW_PROCESSES))
         _check(_libc().unshare(_NEW_PROCESSES))
         _mount(None, Path("/"), None, _PRIVATE | _WITH_BELOW)
-        root = package.parent / f"root-{os.getpid()}"
-        root.mkdir()
+        root = Path(tempfile.mkdtemp(prefix="root-", dir=package.parent))
         _mount("tmpfs", root, "tmpfs", _NO_SET_ID | _NO_DEVICES, "mode=755,size=4m")
         for path in (*lockdown.libraries(), package, Path(os.devnull)):
             _show(root, path)
@@ -97,10 +99,22 @@ def _unshare(kinds: int) -> None:
     if ctypes.get_errno() != errno.EPERM:
         _check(-1)
     user, group = os.geteuid(), os.getegid()
-    _check(_libc().unshare(_NEW_USERS | kinds))
+    _check(_libc().unshare(_NEW_USERS | _NEW_PROCESSES | kinds))
     Path("/proc/self/setgroups").write_text("deny")
     Path("/proc/self/uid_map").write_text(f"{user} {user} 1")
     Path("/proc/self/gid_map").write_text(f"{group} {group} 1")
+    _go_on_as_a_child()
+
+
+def _go_on_as_a_child() -> None:
+    """Return in a child, which ends with this process; here, wait for it, and end as it does."""
+    pid = os.fork()
+    if pid == 0:
+        lockdown.die_with_parent()
+        return
+    os.closerange(3, 2**16)  # the socket above all: the child has to see when the grader is gone
+    _, status = os.waitpid(pid, 0)
+    os._exit(os.waitstatus_to_exitcode(status) & 0xFF)
 
 
 def _show(root: Path, path: Path) -> None:

@@ -4,7 +4,8 @@ It runs no student's code and reads no student's notebook: its children do. It a
 a socket that was its standard input, each a JSON object in one packet:
 
 - ``fork`` (scratch, limits), with three file descriptors: the child's source of requests, its sink for
-  replies, and the file for its last words. The answer has its process id;
+  replies, and the file for its last words. The answer has its process id, and a descriptor of the process:
+  its number may be another one for whoever asked;
 - ``code`` (pid): its exit code as `subprocess` gives it, or null while it is alive;
 - ``end`` (pid, scratch): end it, remove its folder, and say its exit code.
 
@@ -80,9 +81,17 @@ class Nursery:
             data, handles, _, _ = socket.recv_fds(self.control, _LARGEST_PACKET, 3)
             if not data:
                 return
-            self.control.send(json.dumps(self._answer(json.loads(data), handles)).encode())
+            answer = self._answer(json.loads(data), handles)
+            process = []
+            with suppress(
+                KeyError, OSError
+            ):  # no new process, or Linux before 5.3, where the number is the same
+                process.append(os.pidfd_open(answer["pid"] or 0))
+            socket.send_fds(self.control, [json.dumps(answer).encode()], process)
+            for handle in process:
+                os.close(handle)
 
-    def _answer(self, request: dict[str, Any], handles: Sequence[int]) -> dict[str, Any]:
+    def _answer(self, request: dict[str, Any], handles: Sequence[int]) -> dict[str, int | None]:
         match request["do"]:
             case "fork":
                 return {"pid": self._fork(request, handles)}

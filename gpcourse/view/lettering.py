@@ -28,11 +28,11 @@ def outline(text: str, bold: bool = False) -> tuple[Path, float, float]:
     from matplotlib.path import Path
     from matplotlib.textpath import TextPath
 
+    if not text.strip():
+        return Path(np.zeros((0, 2))), 0.0, 0.0
     font = FontProperties(family="DejaVu Sans", weight="bold" if bold else "normal")
     # A dollar sign would start a formula.
     path = TextPath((0, 0), text.replace("$", r"\$"), size=100, prop=font)
-    if not len(path.vertices):
-        return Path(np.zeros((0, 2))), 0.0, 0.0
     outlines = np.asarray(path.vertices) / 100
     return Path(outlines, path.codes), float(outlines[:, 0].min()), float(outlines[:, 0].max())
 

@@ -17,7 +17,7 @@ import numpy as np
 from gpcourse.geometry.arrays import FloatArray, IntArray
 from gpcourse.view.camera import extent, positions, view_axes
 from gpcourse.view.scene import Arrows, ColourScale, Curves, Labels, Layer, Mesh, Panel, Points, Scene
-from gpcourse.view.shading import value_colours
+from gpcourse.view.shading import many_rgb, value_colours
 
 #: The code of a value that is not finite.
 MISSING = 65535
@@ -98,9 +98,10 @@ def _camera(panels: list[Panel]) -> dict[str, Any]:
     axes = view_axes(camera)
     layers = [layer for panel in panels for layer in panel.layers]
     middle, half = extent(layers, camera)
-    depth = np.concatenate([np.asarray(p) @ axes[2] for p in positions(layers)] or [np.zeros(1)])
+    clouds = [cloud for cloud in positions(layers) if len(cloud)] or [np.zeros((1, 3))]
+    depth = np.concatenate(clouds) @ axes[2]
     focus = middle @ axes[:2] + 0.5 * float(depth.min() + depth.max()) * axes[2]
-    reach = float(np.hypot(*(np.ptp(depth), 2 * half.max()))) if len(depth) else 1.0
+    reach = float(np.hypot(np.ptp(depth), 2 * half.max()))
     return {"axes": axes.ravel().tolist(), "focus": focus.tolist(), "half": half.tolist(), "reach": reach}
 
 
@@ -178,6 +179,8 @@ def _mesh(mesh: Mesh, vertices: dict[str, Any], block: Block) -> dict[str, Any]:
     elif mesh.face_colours is not None:
         names = sorted(set(mesh.face_colours))
         found |= {"palette": names, "painted": block.add([names.index(c) for c in mesh.face_colours], "u2")}
+    elif mesh.vertex_colours is not None:
+        found["blended"] = block.add(np.rint(255 * many_rgb(mesh.vertex_colours)), "u1")
     return found
 
 

@@ -74,17 +74,21 @@ class Picture:
         return page(self.frames, self.names, self.chooser)
 
     def save(self, path: str | Path) -> None:
-        """Write the picture to a PNG file, or to an HTML file that can be turned.
+        """Write the picture to a PNG or PDF file, or to an HTML file that can be turned.
 
         Raises ArrayError if `path` has another ending.
         """
         kind = Path(path).suffix.lower()
         if kind == ".png":
             Path(path).write_bytes(self.png())
+        elif kind == ".pdf":
+            from gpcourse.view.static import render_pdf
+
+            Path(path).write_bytes(render_pdf(self.scene))
         elif kind == ".html":
             Path(path).write_text(self.page(), encoding="utf-8")
         else:
-            raise ArrayError(f"{path} does not end in .png or .html; pictures are saved as one of these")
+            raise ArrayError(f"{path} does not end in .png, .pdf or .html; save it as one of these")
 
     def image(self, kind: str = "png") -> str:
         """Return an ``<img>`` element that holds the static picture and its description.

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from io import BytesIO
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -36,16 +36,23 @@ WIDTHS = (330.0, 250.0, 205.0, 170.0)
 INK = (0.11, 0.13, 0.16, 1.0)
 #: Everything is drawn so many times larger and averaged, which also smooths shaded triangles.
 OVERSAMPLING = 2
+_OWN_SETTINGS: Any = {
+    "path.simplify": True, "agg.path.chunksize": 0, "path.sketch": None, "path.effects": [],
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Cell:
-    """The place of a panel: its content in a box, its title above, its colour bar to the right."""
+    """The place of a panel: its content in a box, its title above `top`, its colour bar to the right.
+
+    Titles in a row stand on one line, however high their panels are.
+    """
 
     left: float
     bottom: float
     width: float
     height: float
+    top: float
     bar: bool
 
 
@@ -60,22 +67,34 @@ def render(scene: Scene, dpi: int = 120) -> bytes:
     """
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
-    scales = scene.scales()
-    cells, (wide, high) = _layout(scene, scales)
-    with rc_context(
-        {"path.simplify": True, "agg.path.chunksize": 0, "path.sketch": None, "path.effects": []}
-    ):
-        figure = Figure((wide / 72, high / 72), dpi=dpi * OVERSAMPLING, facecolor="white", edgecolor="white")
-        canvas = FigureCanvasAgg(figure)
-        _draw(figure, scene, cells, scales)
+    with rc_context(_OWN_SETTINGS):
+        canvas = FigureCanvasAgg(_figure(scene, dpi * OVERSAMPLING))
         canvas.draw()  # type: ignore[no-untyped-call]
         pixels = np.asarray(canvas.buffer_rgba())[..., :3]  # type: ignore[no-untyped-call]
     return _png(pixels, dpi)
 
 
-def _draw(figure: Figure, scene: Scene, cells: list[Cell], scales: list[ColourScale | None]) -> None:
+def render_pdf(scene: Scene) -> bytes:
+    """Return the picture of `scene` as a PDF file of lines and outlined letters.
+
+    Blended surfaces are pixels, 300 per inch.
+    """
+    from matplotlib import rc_context
+
+    file = BytesIO()
+    with rc_context(_OWN_SETTINGS):
+        figure = _figure(scene, 300)
+        figure.savefig(file, format="pdf", dpi=300, metadata={"CreationDate": None})
+    return file.getvalue()
+
+
+def _figure(scene: Scene, dpi: int) -> Figure:
+    from matplotlib.figure import Figure
+
+    scales = scene.scales()
+    cells, (wide, high) = _layout(scene, scales)
+    figure = Figure((wide / 72, high / 72), dpi=dpi, facecolor="white", edgecolor="white")
     page = Page(figure)
     for panel, cell, scale in zip(scene.panels, cells, scales, strict=True):
         projection = _projection(panel, cell)
@@ -86,6 +105,7 @@ def _draw(figure: Figure, scene: Scene, cells: list[Cell], scales: list[ColourSc
         _title(page, panel.title, cell)
         if cell.bar and scale is not None:
             _colour_bar(page, scale, cell)
+    return figure
 
 
 def _png(pixels: FloatArray, dpi: int) -> bytes:
@@ -116,8 +136,9 @@ def _layout(scene: Scene, scales: list[ColourScale | None]) -> tuple[list[Cell],
         left, placed_row = 0.0, []
         for i in row:
             w, h = shapes[i]
-            placed_row.append(Cell(left + MARGIN, bottom + MARGIN + (high - h) / 2, w, h, bars[i]))
-            left += w + 2 * MARGIN + (BAR_ROOM if bars[i] else 0.0)
+            low = bottom + MARGIN + (high - h) / 2
+            placed_row.append(Cell(left + MARGIN, low, w, h, bottom + MARGIN + high, bars[i]))
+            left += w + 2 * MARGIN + (_bar_room(scales[i]) if bars[i] else 0.0)
         cells = placed_row + cells
         titles = max(_title_height(scene.panels[i].title, shapes[i][0]) for i in row)
         bottom += high + 2 * MARGIN + titles
@@ -148,10 +169,15 @@ def _title_height(title: str, room: float) -> float:
 
 def _title(page: Page, title: str, cell: Cell) -> None:
     lines = wrapped(title, TITLE, cell.width + MARGIN)
-    top = cell.bottom + cell.height + MARGIN + (len(lines) - 0.5) * 1.3 * TITLE - 4
+    top = cell.top + MARGIN + (len(lines) - 0.5) * 1.3 * TITLE - 4
     x = cell.left + cell.width / 2
     paths = [placed(line, np.array([x, top - 1.3 * TITLE * i]), TITLE) for i, line in enumerate(lines)]
     page.texts(paths, [INK])
+
+
+def _bar_room(scale: ColourScale | None) -> float:
+    """Return the room for a bar with its numbers, and for its name."""
+    return BAR_ROOM if scale is None else max(BAR_ROOM, width(scale.name, TICK) + 8)
 
 
 def _colour_bar(page: Page, scale: ColourScale, cell: Cell) -> None:
@@ -183,7 +209,7 @@ def _colour_bar(page: Page, scale: ColourScale, cell: Cell) -> None:
     )
     if scale.name:
         x = left + max(BAR / 2, width(scale.name, TICK) / 2)
-        page.texts([placed(scale.name, np.array([x, bottom + high + 8]), TICK)], [INK])
+        page.texts([placed(scale.name, np.array([x, bottom + high + 10]), TICK)], [INK])
 
 
 def _ticks(scale: ColourScale) -> list[float]:

@@ -9,7 +9,7 @@ from scipy import sparse
 
 from gpcourse.errors import GeometryError, MeshError
 from gpcourse.geometry.arrays import BoolArray, FloatArray, IntArray, as_triangles
-from gpcourse.geometry.triangles import corner_cotangents, face_areas
+from gpcourse.geometry.triangles import corner_cotangents, cotangents_and_areas, face_areas
 
 
 def uniform_laplacian(faces: IntArray, n_vertices: int) -> sparse.csr_array:
@@ -141,7 +141,7 @@ def voronoi_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
     ----------
     Notes ch. 6 §4; Meyer et al. 2003.
     """
-    parts = _voronoi_parts(corner_cotangents(vertices, faces), face_areas(vertices, faces))
+    parts = _voronoi_parts(*cotangents_and_areas(vertices, faces))
     return _summed_at_corners(faces, parts, len(vertices))
 
 
@@ -174,7 +174,7 @@ def mixed_areas(vertices: FloatArray, faces: IntArray) -> FloatArray:
     ----------
     Notes ch. 6 §4, *Mixed Cells*; Meyer et al. 2003, fig. 4.
     """
-    cotangents, areas = corner_cotangents(vertices, faces), face_areas(vertices, faces)
+    cotangents, areas = cotangents_and_areas(vertices, faces)
     parts = _voronoi_parts(cotangents, areas)
     face, corner = np.nonzero(cotangents < 0)  # a triangle has one obtuse corner at most
     parts[face] = areas[face, None] / 4
@@ -274,8 +274,11 @@ def boundary_vertices(faces: IntArray, n_vertices: int) -> BoolArray:
         False for isolated vertices.
     """
     corners = as_triangles(faces, n_vertices)
-    ahead = np.roll(corners, -1, axis=1)
-    edge = np.sort((np.minimum(corners, ahead) * n_vertices + np.maximum(corners, ahead)).ravel())
+    tail, head = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
+    suspect = _around_incomplete(corners, n_vertices)
+    counted = suspect[tail] & suspect[head]
+    tail, head = tail[counted], head[counted]
+    edge = np.sort(np.minimum(tail, head) * n_vertices + np.maximum(tail, head))
     # Sorted, the two sides of an inner edge are neighbours.
     same = edge[1:] == edge[:-1]
     single = np.ones(len(edge), dtype=bool)
@@ -285,6 +288,17 @@ def boundary_vertices(faces: IntArray, n_vertices: int) -> BoolArray:
     boundary = np.zeros(n_vertices, dtype=bool)
     boundary[smaller] = boundary[larger] = True
     return boundary
+
+
+def _around_incomplete(corners: IntArray, n_vertices: int) -> BoolArray:
+    """Mark the vertices around which faces are missing or turned over, without sorting edges.
+
+    Elsewhere each neighbour is ahead in one face and behind in another: numbers of the neighbours, any
+    numbers, added for those ahead and subtracted for those behind, cancel.
+    """
+    number = np.random.default_rng(0).integers(2**40, size=n_vertices)[corners]
+    left = np.roll(number, -1, axis=1) - np.roll(number, 1, axis=1)
+    return np.asarray(np.bincount(corners.ravel(), weights=left.ravel(), minlength=n_vertices) != 0)
 
 
 def adjacency(faces: IntArray, n_vertices: int) -> sparse.csr_array:

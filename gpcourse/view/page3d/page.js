@@ -93,6 +93,8 @@ const boot = async (kept) => {
     return rgb(scale.colours[Math.round(t * (scale.colours.length - 1))]);
   };
 
+  /* Values came in 65,535 steps: what is finer than a step is not said. */
+  const grain = ({ low, high }) => (high > low ? 10 ** Math.ceil(Math.log10((high - low) / 65534)) : 0);
   const prepareMesh = (layer, box) => {
     const at = places(layer.at, box), corners = numbers(layer.corners), wide = layer.corners.w === 2 ? 65536 : 4294967296;
     for (let i = 3; i < corners.length; i++) corners[i] = (corners[i] + corners[i - 3]) % wide;
@@ -121,9 +123,9 @@ const boot = async (kept) => {
     }
     const v = layer.values ? values(layer.values) : null, onFaces = layer.on === "faces";
     const m = triangles.length, X = new Float32Array(3 * m), N = new Float32Array(3 * m), C = new Float32Array(3 * m), V = new Float32Array(m);
-    const plain = rgb(layer.colour), palette = (layer.palette || []).map(rgb), painted = layer.painted ? numbers(layer.painted) : null;
+    const plain = rgb(layer.colour), palette = (layer.palette || []).map(rgb), painted = layer.painted ? numbers(layer.painted) : null, blended = layer.blended ? numbers(layer.blended) : null;
     for (let c = 0; c < m; c++) {
-      const i = triangles[c], f = owner[(c / 3) | 0], paint = painted ? palette[painted[f]] : plain;
+      const i = triangles[c], f = owner[(c / 3) | 0], paint = painted ? palette[painted[f]] : blended ? [0, 1, 2].map((d) => blended[3 * i + d] / 255) : plain;
       for (let d = 0; d < 3; d++) { X[3 * c + d] = at[3 * i + d]; N[3 * c + d] = normal[3 * i + d]; C[3 * c + d] = paint[d]; }
       if (v) V[c] = v[onFaces ? f : i];
     }
@@ -132,7 +134,7 @@ const boot = async (kept) => {
     let long = 0;
     for (let i = 0; i < lines.length; i += 2) long += Math.hypot(...[0, 1, 2].map((d) => at[3 * lines[i] + d] - at[3 * lines[i + 1] + d])) / (lines.length / 2);
     return {
-      kind: "mesh", at, triangles: new Uint32Array(triangles), owner, v, onFaces, unit: layer.unit || "value", smooth: layer.smooth, edges: layer.edges, behind: layer.behind, m, k: lines.length, long, valued: !!v,
+      kind: "mesh", at, triangles: new Uint32Array(triangles), owner, v, grain: v && grain(layer.values), onFaces, unit: layer.unit || "value", smooth: layer.smooth, edges: layer.edges, behind: layer.behind, m, k: lines.length, long, valued: !!v,
       body: array(() => { attribute(surface, "x", X, 3); attribute(surface, "normal", N, 3); attribute(surface, "colour", C, 3); attribute(surface, "value", V, 1); }),
       wire: few ? null : array(() => { attribute(edge, "x", xb, 3); buffer(ordered, gl.ELEMENT_ARRAY_BUFFER); }),
       rods: few ? array(() => { attribute(stroke, "a", ends_(0), 3, 1); attribute(stroke, "b", ends_(1), 3, 1); }) : null,
@@ -149,7 +151,7 @@ const boot = async (kept) => {
       const at = places(layer.at, box), n = at.length / 3, v = layer.values ? values(layer.values) : null;
       const colours = repeated(layer.colours, n);
       if (v && scale) for (let i = 0; i < n; i++) colours.set(colourOf(v[i], scale), 3 * i);
-      return { kind: "points", at, v, n, unit: "value", size: layer.size, hidden: layer.hidden, vao: array(() => { attribute(dot, "x", at, 3); attribute(dot, "colour", colours, 3); }) };
+      return { kind: "points", at, v, grain: v && grain(layer.values), n, unit: "value", size: layer.size, hidden: layer.hidden, vao: array(() => { attribute(dot, "x", at, 3); attribute(dot, "colour", colours, 3); }) };
     }
     if (layer.kind === "arrows") {
       const a = places(layer.tails, box), b = places(layer.heads, box);
@@ -186,17 +188,20 @@ const boot = async (kept) => {
   };
   const oneBar = () => header.frames[state.frame].some((p) => p.scale && !p.bar);  // for all panels, at the right
   const cells = () => {
-    const n = header.cameras.length, w = innerWidth - (oneBar() ? BAR : 0), h = innerHeight - (tools.classList.contains("stay") ? tools.offsetHeight + 6 : 0);
+    const n = header.cameras.length, w = innerWidth - (oneBar() ? barRoom() : 0), h = innerHeight - (tools.classList.contains("stay") ? tools.offsetHeight + 6 : 0);
     const columns = n === 1 || w < 1.2 * h ? (w < 1.2 * h && n > 1 ? 1 : n) : Math.min(n, 4), rows = Math.ceil(n / columns);
     return header.cameras.map((_, i) => ({ x: ((i % columns) * w) / columns, y: (Math.floor(i / columns) * h) / rows, w: w / columns, h: h / rows }));
   };
-  const BAR = 64, TOP = 26;
+  const wide = (text, font) => { const pen = marks.getContext("2d"); pen.font = `${font} system-ui, sans-serif`; return pen.measureText(text).width; };
+  const barRoom = () => Math.max(64, ...header.frames[state.frame].map((p) => (p.bar && p.scale.name ? wide(p.scale.name, "500 12px") + 10 : 0)));
+  /* Titles stand over their panels; the longest decides how many lines they all get. */
+  const titleRoom = (w) => Math.max(...header.frames[state.frame].map((p) => (p.title ? 8 + 19 * Math.ceil(wide(p.title, "600 14px") / Math.max(w - 16, 40)) : 0)));
   const view = (i, cell) => {
-    const camera = header.cameras[i], panel = header.frames[state.frame][i], bar = panel.bar && !oneBar() ? BAR : 0;
-    const MARGIN = panel.layers.some((l) => l.texts && l.texts.length) ? 20 : 8;  // numbers lie around what they name
+    const camera = header.cameras[i], panel = header.frames[state.frame][i], bar = panel.bar && !oneBar() ? barRoom() : 0, TOP = titleRoom(cell.w);
+    const MARGIN = panel.layers.some((l) => l.texts && l.texts.length) ? 25 : 8;  // numbers lie around what they name
     const w = Math.max(cell.w - bar - 2 * MARGIN, 20), h = Math.max(cell.h - TOP - 2 * MARGIN, 20);
     const k = Math.min(w / (2 * camera.half[0]), h / (2 * camera.half[1])) * state.zoom;
-    return { axes: times(state.turn, camera.axes), focus: camera.focus, k, cx: cell.x + MARGIN + w / 2 + state.pan[0], cy: cell.y + TOP + MARGIN + h / 2 + state.pan[1], reach: 2 * camera.reach, w, h, bar };
+    return { axes: times(state.turn, camera.axes), focus: camera.focus, k, cx: cell.x + MARGIN + w / 2 + state.pan[0], cy: cell.y + TOP + MARGIN + h / 2 + state.pan[1], reach: 2 * camera.reach, w, h, bar, top: TOP };
   };
   const project = (x, i, look) => {
     const d = [x[3 * i] - look.focus[0], x[3 * i + 1] - look.focus[1], x[3 * i + 2] - look.focus[2]], A = look.axes;
@@ -231,7 +236,7 @@ const boot = async (kept) => {
     cells().forEach((cell, i) => {
       const look = view(i, cell), panel = panels[i];
       gl.viewport((look.cx - cell.w / 2) * ratio, (H - look.cy - cell.h / 2) * ratio, cell.w * ratio, cell.h * ratio);
-      gl.scissor(cell.x * ratio, (H - cell.y - cell.h) * ratio, cell.w * ratio, cell.h * ratio);
+      gl.scissor(cell.x * ratio, (H - cell.y - cell.h) * ratio, cell.w * ratio, (cell.h - look.top) * ratio);  // titles stay free
       const meshes = panel.layers.filter((l) => l.kind === "mesh"), lift = dark && !meshes.length ? 0.6 : 0;
       const set = (prog, floats = {}) => {
         prog.use();
@@ -310,7 +315,7 @@ const boot = async (kept) => {
     for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * (high - low); k++) at.push(k * step);
     return { step, at };
   };
-  const shortly = (v) => (v !== v ? "not finite" : String(Number(v.toPrecision(4))).replace("-", "−"));
+  const shortly = (v, unit = 0) => (v !== v ? "not finite" : String(Number((unit ? Math.round(v / unit) * unit : v).toPrecision(4)) || 0).replace("-", "−"));
   const ask = (px, py) => {
     const i = cells().findIndex((c) => px >= c.x && px < c.x + c.w && py >= c.y && py < c.y + c.h);
     if (i < 0) return "";
@@ -319,10 +324,10 @@ const boot = async (kept) => {
       if (l.kind === "points") {
         let near = -1, least = 64;
         for (let k = 0; k < l.n; k++) { const [x, y] = project(l.at, k, look), d = (x - px) ** 2 + (y - py) ** 2; if (d < least) { least = d; near = k; } }
-        if (near >= 0) lines.push(`point ${near}` + (l.v ? `\n${(panel.scale && panel.scale.name) || "value"} ${shortly(l.v[near])}` : ""));
+        if (near >= 0) lines.push(`point ${near}` + (l.v ? `\n${(panel.scale && panel.scale.name) || "value"} ${shortly(l.v[near], l.grain)}` : ""));
       } else if (l.kind === "mesh") {
         const hit = under(l, look, px, py);
-        if (hit) lines.push(`vertex ${hit.vertex}, face ${hit.face}` + (l.v ? `\n${(panel.scale && panel.scale.name) || "value"} ${shortly(l.v[l.onFaces ? hit.face : hit.vertex])}` : ""));
+        if (hit) lines.push(`vertex ${hit.vertex}, face ${hit.face}` + (l.v ? `\n${(panel.scale && panel.scale.name) || "value"} ${shortly(l.v[l.onFaces ? hit.face : hit.vertex], l.grain)}` : ""));
       }
     }
     return lines.join("\n");
@@ -338,7 +343,7 @@ const boot = async (kept) => {
       if (!panel.bar) return;
       const whole = oneBar() ? { x: 0, y: 0, w: innerWidth, h: cell.y + cell.h } : cell;
       const high = Math.min(Math.max(whole.h * 0.6, 60), 220), bar = make("div", furniture, { className: "bar" });
-      bar.style.cssText = `left:${whole.x + whole.w - BAR}px;top:${whole.y + (whole.h - high) / 2 + 8}px;height:${high}px;background:linear-gradient(to top,${panel.scale.colours.join(",")})`;
+      bar.style.cssText = `left:${whole.x + whole.w - barRoom() + 2}px;top:${whole.y + (whole.h - high) / 2 + 8}px;height:${high}px;background:linear-gradient(to top,${panel.scale.colours.join(",")})`;
       if (panel.scale.name) make("b", bar, { textContent: panel.scale.name }).style.cssText = "right:auto;left:0";
       for (const t of ticks(panel.scale).at) make("span", bar, { textContent: shortly(t) }).style.top = `${(100 * (panel.scale.high - t)) / (panel.scale.high - panel.scale.low)}%`;
     });

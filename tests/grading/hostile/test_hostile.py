@@ -96,7 +96,7 @@ def start(tmp_path_factory, request):
     """Yield what forks workers at one of the levels, by leaving out what a machine of that level lacks."""
     if not can_fork():
         pytest.skip("this system does not fork workers")
-    package = home.build(tmp_path_factory.mktemp("run") / "home")
+    package = home.build(tmp_path_factory.mktemp("run") / "home", fonts=True)
     for name, old, new in LEFT_OUT[request.param]:
         path = package / "gpcourse" / "sandbox" / name
         text = path.read_text("utf-8")

@@ -163,3 +163,12 @@ def test_boundary_vertices_are_those_of_edges_with_one_face(mesh):
 def test_an_isolated_vertex_is_on_no_boundary():
     assert boundary_vertices([[1, 2, 3]], 5).tolist() == [False, True, True, True, False]
     assert boundary_vertices(np.empty((0, 3), int), 2).tolist() == [False, False]
+
+
+def test_faces_turned_over_and_fans_that_meet_in_a_vertex_do_not_mislead_about_the_boundary():
+    sphere = shapes.icosphere(1)
+    mixed = np.where(np.arange(len(sphere.faces))[:, None] % 3 == 0, sphere.faces[:, ::-1], sphere.faces)
+    assert not boundary_vertices(mixed, len(sphere.vertices)).any()
+    assert boundary_vertices(mixed[1:], len(sphere.vertices)).nonzero()[0].tolist() == sorted(mixed[0])
+    bow = [[0, 1, 2], [0, 3, 4]]
+    assert boundary_vertices(bow, 6).tolist() == [True] * 5 + [False]

@@ -29,7 +29,7 @@ Judge = Callable[[Exercise, Worker], Verdict]
 class Judged:
     """An exercise's verdict in a submission, and what is to be said besides.
 
-    `missing` says that no function of that name was found. `seconds` is how long its answers took.
+    `missing` says that no function of that name was found. `seconds` is how long its answers were waited for.
     """
 
     verdict: Verdict
@@ -166,10 +166,12 @@ class _Room:
             if ready.status == "missing":
                 return Judged(Verdict(exercise, "not attempted"), self._near(name), missing=True)
             self.failures.update(dict.fromkeys(f"{_where(t)}: {_what(t)}" for t in ready.notes))
+        before = self.worker.spent
         verdict = judge(exercise, self.worker)
         answers = (question.answer for result in verdict.results for question in result.questions)
         crash = next((a.trouble for a in answers if a.status == "crashed" and a.trouble), None)
-        return Judged(verdict, () if crash is None else (crash.message,))
+        notes = () if crash is None else (crash.message,)
+        return Judged(verdict, notes, seconds=self.worker.spent - before)
 
     def _near(self, name: str) -> tuple[str, ...]:
         others = set(self.survey.names) - self.asked

@@ -78,8 +78,7 @@ def grade(
 
     Writes ``grades.csv``, ``times.csv``, ``index.html``, ``students/NAME.html`` and
     ``gradescope/NAME/results.json``. The same submissions and seed give the same files, to the byte, but for
-    the times. Nothing is written when the input
-    cannot be used.
+    the times. Nothing is written when the input cannot be used.
 
     Parameters
     ----------
@@ -234,10 +233,9 @@ def _judge_all(
 
 
 def _slim(report: Report) -> Report:
-    """Drop the questions and answers but for their time, so that memory stays flat over a large class."""
+    """Drop the questions and answers, so that memory stays flat over a large class."""
     judged = []
     for one in report.judged:
         results = tuple(replace(result, questions=()) for result in one.verdict.results)
-        seconds = sum(q.answer.seconds for result in one.verdict.results for q in result.questions)
-        judged.append(replace(one, verdict=replace(one.verdict, results=results), seconds=seconds))
+        judged.append(replace(one, verdict=replace(one.verdict, results=results)))
     return replace(report, judged=tuple(judged))

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import re
 import sys
+import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -103,6 +104,11 @@ class Worker:
     limits : Limits
     start : callable
         ``start(package, limits)`` starts a process and returns its `Line`.
+
+    Attributes
+    ----------
+    spent : float
+        Seconds that were waited for answers, on the clock of this side: the other may say anything.
     """
 
     cells: list[tuple[int, str]]
@@ -112,6 +118,7 @@ class Worker:
     _line: Line | None = None
     _ready: dict[str, Ready] = field(default_factory=dict)
     _kept: dict[str, int] = field(default_factory=dict)
+    spent: float = field(default=0.0, init=False)
 
     def __enter__(self) -> Worker:
         return self
@@ -176,11 +183,12 @@ class Worker:
             questions, refusals = questions[:1], refusals[:1]
         replies: list[Reply] = []
         full: Reply | None = None
+        start = time.monotonic()
         try:
             ready = self._prepare(name)
             if ready.status != "ready" or self._line is None:
                 return [Reply(said=_refusal(name, ready))]
-            wall = self.limits.wall(limit)
+            wall, start = self.limits.wall(limit), time.monotonic()
             frames = self._line.replies(
                 len(questions),
                 limit + GRACE,
@@ -200,6 +208,8 @@ class Worker:
         except Gone as gone:
             self.close()
             full = full or Reply(said=Answer(gone.status, trouble=self._trouble(gone)))
+        finally:
+            self.spent += time.monotonic() - start
         return replies if full is None else [*replies, full]
 
     def _keeps(self, name: str, frame: bytes) -> bool:

@@ -221,8 +221,7 @@ EULER_CHARACTERISTIC = Exercise(
 def _expect_numbers(f: Asked, what: str, questions: list[tuple[HalfedgeMesh, int, str]]) -> None:
     """Ask all questions before the first answer is judged: one number alone fits several mistakes."""
     answers = [f(mesh) for mesh, _, _ in questions]
-    for i, (answer, (_, want, on)) in enumerate(zip(answers, questions, strict=True)):
-        f.about = i
+    for answer, (_, want, on) in zip(f.each(answers), questions, strict=True):
         mine = expect.integer(answer, what, on=on)
         expect.that(mine == want, f"{what} is not right.", yours=str(mine), truth=str(want), on=on)
 

@@ -419,6 +419,14 @@ def _(mesh: HalfedgeMesh) -> Any:
 
 
 @GENUS.mistake(
+    "the formula for one closed surface was used for all, and the result rounded down",
+    hint="V − E + F = 2(1 − g) holds for one closed surface. Which of the two does your mesh break?",
+)
+def _(mesh: HalfedgeMesh) -> Any:
+    return (2 - reference.euler_characteristic(mesh)) // 2
+
+
+@GENUS.mistake(
     "the Euler characteristic was returned in place of the genus",
     hint="A sphere has the characteristic 2. How many handles does it have?",
 )

@@ -434,6 +434,15 @@ def _(p: Any, q: Any, normals_p: Any, normals_q: Any, max_distance: float, max_a
 
 
 @REJECT_PAIRS.mistake(
+    "the angle was measured in degrees",
+    hint="max_angle is in radians. How large is a right angle in your numbers?",
+)
+def _(p: Any, q: Any, normals_p: Any, normals_q: Any, max_distance: float, max_angle: float) -> Any:
+    d, w = _tests(p, q, normals_p, normals_q)
+    return (d <= max_distance) & (np.degrees(w) <= max_angle)
+
+
+@REJECT_PAIRS.mistake(
     "opposite normals were taken for like ones",
     hint="The two sides of a thin sheet: should their points be matched?",
 )

@@ -278,6 +278,16 @@ def _(p: FloatArray, q: FloatArray, weights: Any = None) -> Any:
 
 
 @RIGID_TRANSFORM.mistake(
+    "q̄ was turned the other way: a row times R is what Rᵀ does to a column",
+    hint="Points are rows here. Which product turns a row by R: with R or with Rᵀ on its right?",
+)
+def _(p: FloatArray, q: FloatArray, weights: Any = None) -> Any:
+    U, V, a, b, D = _svd(p, q, weights, weights)
+    R = V @ D @ U.T
+    return R, a - b @ R
+
+
+@RIGID_TRANSFORM.mistake(
     "the rotation was applied to p̄ in place of q̄",
     hint="Which of the two clouds is turned?",
 )

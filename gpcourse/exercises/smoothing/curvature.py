@@ -111,6 +111,14 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 
 
 @MEAN_CURVATURE_NORMAL.mistake(
+    "the factor ½ was applied twice",
+    hint="Δx = −2 H n, and the cotangent matrix has a ½ already. How many are left to apply?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    return -0.25 * truths.laplacian(vertices, faces) @ vertices
+
+
+@MEAN_CURVATURE_NORMAL.mistake(
     "the sign is missing: the vectors point inwards on a sphere",
     hint="Δx pulls the vertices of a sphere inwards, and H is positive there. Which way must n point?",
 )
@@ -398,6 +406,14 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 )
 def _(vertices: FloatArray, faces: IntArray) -> Any:
     return -truths.defects(vertices, faces)
+
+
+@ANGLE_DEFECT.mistake(
+    "the angles are in degrees",
+    hint="2π is a full turn in radians. In which unit does `np.arccos` give its angle, and yours?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    return np.degrees(truths.defects(vertices, faces))
 
 
 @ANGLE_DEFECT.mistake(

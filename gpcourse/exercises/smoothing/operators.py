@@ -388,6 +388,14 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 
 
 @COTANGENT_MATRIX.mistake(
+    "the cosine was taken for the cotangent",
+    hint="a·b / (|a| |b|) is the cosine. By what is a·b divided to give the cotangent?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    return _from_weights(vertices, faces, np.cos(truths.angles(vertices, faces)) / 2)
+
+
+@COTANGENT_MATRIX.mistake(
     "every common neighbour of two vertices was taken for the third corner of a face",
     hint="Two neighbours of a vertex of valence 3 have more than two common neighbours. "
     "Which of them make a face with the edge?",

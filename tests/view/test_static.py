@@ -91,6 +91,36 @@ def height_at(point, corners, heights):
     return barycentric(point, corners) @ heights
 
 
+def test_surfaces_that_cut_each_other_are_cut_where_they_meet():
+    flat = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    steep = flat + np.outer(flat[:, 0], [0, 0, 1.0])  # above the other for x > 0
+    meshes = [
+        scene.Mesh(x, [[0, 1, 2, 3]], colour=c, edges=False)
+        for x, c in ((flat, "#ff0000"), (steep, "#0000ff"))
+    ]
+    seen = pixels(
+        view.Picture(scene.Scene((scene.Panel(meshes, camera=scene.Camera((0, 0, 1), (0, 1, 0))),)))
+    )
+    drawn = (seen < 250).any(axis=2)
+    columns = np.flatnonzero(drawn.any(axis=0))
+    middle = int(columns.mean())
+    red, blue = seen[..., 0] > seen[..., 2], seen[..., 2] > seen[..., 0]
+    assert red[drawn & (np.arange(seen.shape[1]) < middle - 3)].mean() > 0.99
+    assert blue[drawn & (np.arange(seen.shape[1]) > middle + 3)].mean() > 0.99
+
+
+def test_the_near_side_of_a_spike_is_seen_among_many_faces():
+    n = 16  # 450 triangles: too many to be ordered one by one
+    x, y = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
+    vertices = np.column_stack([x.ravel(), y.ravel(), np.zeros(n * n)]).astype(float)
+    a = (n * np.arange(n - 1)[:, None] + np.arange(n - 1)).ravel()
+    faces = np.concatenate([np.column_stack([a, a + n, a + n + 1]), np.column_stack([a, a + n + 1, a + 1])])
+    tip = n * (n // 2) + n // 2
+    vertices[[tip, tip - 1], 2] = 9, -3  # before the spike there is a pit
+    seen = pixels(view.mesh((vertices, faces), direction=(0.3, -1, 0.9), edges=False))
+    assert ((seen[..., 0] - seen[..., 2]) > 40).mean() < 0.0005  # nothing of the orange inner side
+
+
 def test_a_cycle_is_broken_and_all_are_painted():
     # Three long tiles, each over the next: no order is right, but every tile must be painted once.
     turn = [np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]]) for a in np.deg2rad([0, 120, 240])]

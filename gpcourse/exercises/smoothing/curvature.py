@@ -135,6 +135,15 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 
 
 @MEAN_CURVATURE_NORMAL.mistake(
+    "the vectors were made as long as 1",
+    hint="The length of the vector is the mean curvature. What is left of it?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    Hn = -0.5 * truths.laplacian(vertices, faces) @ vertices
+    return Hn / np.linalg.norm(Hn, axis=1, keepdims=True)
+
+
+@MEAN_CURVATURE_NORMAL.mistake(
     "the length was returned in place of the vector",
     hint="H n is a vector at each vertex. What shape should the result have?",
 )
@@ -401,19 +410,27 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 
 
 @ANGLE_DEFECT.mistake(
+    "the angles are in degrees",
+    hint="The course measures angles in radians. How large is a full turn then?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    return np.degrees(truths.defects(vertices, faces))
+
+
+@ANGLE_DEFECT.mistake(
+    "2π, in radians, is compared with angles in degrees",
+    hint="In which unit does your function measure the angles, and in which one the full turn?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    return _defect(vertices, faces, np.degrees(truths.angles(vertices, faces)))
+
+
+@ANGLE_DEFECT.mistake(
     "the sign is the wrong way round",
     hint="The angles at a corner of a cube sum to less than 2π. Is its curvature positive or negative?",
 )
 def _(vertices: FloatArray, faces: IntArray) -> Any:
     return -truths.defects(vertices, faces)
-
-
-@ANGLE_DEFECT.mistake(
-    "the angles are in degrees",
-    hint="2π is a full turn in radians. In which unit does `np.arccos` give its angle, and yours?",
-)
-def _(vertices: FloatArray, faces: IntArray) -> Any:
-    return np.degrees(truths.defects(vertices, faces))
 
 
 @ANGLE_DEFECT.mistake(
@@ -521,6 +538,14 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 )
 def _(vertices: FloatArray, faces: IntArray) -> Any:
     return truths.defects(vertices, faces) / truths.third_areas(vertices, faces)
+
+
+@DISCRETE_GAUSSIAN_CURVATURE.mistake(
+    "Voronoi cells were used in place of mixed ones",
+    hint="Which cells does the docstring name? How large is a Voronoi cell among obtuse triangles?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    return truths.defects(vertices, faces) / truths.voronoi_areas(vertices, faces)
 
 
 @DISCRETE_GAUSSIAN_CURVATURE.mistake(

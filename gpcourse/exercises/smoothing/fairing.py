@@ -422,6 +422,16 @@ def _(t: FloatArray, left: float, right: float) -> Any:
 
 
 @EULER_LAGRANGE_1D.mistake(
+    "the terms were multiplied by the length of their interval, not divided",
+    hint="Does the same difference cost more over a short interval or over a long one?",
+)
+def _(t: FloatArray, left: float, right: float) -> Any:
+    # The energy Σ w_i d_i² with Σ d_i given is least for d_i in proportion to 1 / w_i.
+    rises = np.append(0.0, np.cumsum(1 / np.diff(t)))
+    return left + (right - left) * rises / rises[-1]
+
+
+@EULER_LAGRANGE_1D.mistake(
     "the parameter was not measured from its start",
     hint="What does your formula give at the first sample, when t does not start at 0?",
 )

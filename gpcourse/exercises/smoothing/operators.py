@@ -388,8 +388,17 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 
 
 @COTANGENT_MATRIX.mistake(
+    "the angles went into the tangent in degrees",
+    hint="In which unit does `np.tan` take an angle? What does your formula give for a right angle?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    degrees = np.degrees(truths.angles(vertices, faces))
+    return _from_weights(vertices, faces, 0.5 / np.tan(degrees))
+
+
+@COTANGENT_MATRIX.mistake(
     "the cosine was taken for the cotangent",
-    hint="a·b / (|a| |b|) is the cosine. By what is a·b divided to give the cotangent?",
+    hint="What is the cosine divided by? Does your formula tell a long vector from a unit vector?",
 )
 def _(vertices: FloatArray, faces: IntArray) -> Any:
     return _from_weights(vertices, faces, np.cos(truths.angles(vertices, faces)) / 2)

@@ -157,6 +157,15 @@ def _(C: Any, M: Any, k: int) -> Any:
 
 
 @EIGENMODES.mistake(
+    "the right modes come in descending order",
+    hint="Where should the constant be: in the first column or in the last?",
+)
+def _(C: Any, M: Any, k: int) -> Any:
+    frequencies, phi = truths.modes(C, M)
+    return frequencies[:k][::-1], phi[:, :k][:, ::-1]
+
+
+@EIGENMODES.mistake(
     "the eigenvalues λ ≤ 0 were returned, not the frequencies −λ",
     hint="Δ is negative semi-definite. What does the docstring call a frequency?",
 )

@@ -125,7 +125,8 @@ class Line:
         return answer
 
     def _gone(self, status: Status, message: str = "") -> Gone:
-        late = time.monotonic() + (0.0 if status == "timeout" else 1.0)
+        # What has closed its pipes is about to end, and then says why.
+        late = time.monotonic() + (0.0 if message or status == "timeout" else 1.0)
         while (code := self.process.code()) is None and time.monotonic() < late:
             time.sleep(0.005)
         place = self._crash_place()

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
-from gpcourse.exercises.smoothing import expecting, pictures, truths
+from gpcourse.exercises.smoothing import expecting, truths
 from gpcourse.exercises.smoothing.inputs import (
     SINGLE,
     Rng,
@@ -124,6 +124,15 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 )
 def _(vertices: FloatArray, faces: IntArray) -> Any:
     return -0.5 * truths.mean_of_neighbours(faces, len(vertices)) @ vertices
+
+
+@MEAN_CURVATURE_NORMAL.mistake(
+    "the vectors were made as long as 1",
+    hint="The length of the vector is the mean curvature. What is left of it?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    Hn = -0.5 * truths.laplacian(vertices, faces) @ vertices
+    return Hn / np.linalg.norm(Hn, axis=1, keepdims=True)
 
 
 @MEAN_CURVATURE_NORMAL.mistake(
@@ -327,7 +336,7 @@ def _(f: Asked, rng: Rng) -> None:
     for value, (shape, chi, on) in zip(answers, for_all, strict=True):
         n = len(shape.vertices)
         mine = expect.array(value, (n,), "The array of defects", on=on)
-        picture = pictures.of_residual(shape.vertices, faces_of(shape), mine, "|defect|")
+        picture = pictures.of_own(shape.vertices, faces_of(shape), mine, "defect")
         expect.close(
             float(mine.sum()), 2 * np.pi * chi, n * SINGLE, "The sum of the defects", on=on, picture=picture
         )
@@ -390,6 +399,22 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 def _(vertices: FloatArray, faces: IntArray) -> Any:
     angles = truths.angles(vertices, faces)
     return _defect(vertices, faces, np.minimum(angles, np.pi - angles))
+
+
+@ANGLE_DEFECT.mistake(
+    "the angles are in degrees",
+    hint="The course measures angles in radians. How large is a full turn then?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    return np.degrees(truths.defects(vertices, faces))
+
+
+@ANGLE_DEFECT.mistake(
+    "2π, in radians, is compared with angles in degrees",
+    hint="In which unit does your function measure the angles, and in which one the full turn?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    return _defect(vertices, faces, np.degrees(truths.angles(vertices, faces)))
 
 
 @ANGLE_DEFECT.mistake(
@@ -457,7 +482,7 @@ def _(f: Asked, rng: Rng) -> None:
     for value, (shape, chi, on) in zip(answers, for_all, strict=True):
         n, areas = len(shape.vertices), truths.mixed_areas(shape.vertices, faces_of(shape))
         K = expect.array(value, (n,), "The array of curvatures", on=on)
-        picture = pictures.of_values(shape.vertices, faces_of(shape), K, _gaussian(shape), "K")
+        picture = pictures.of_own(shape.vertices, faces_of(shape), K, "K")
         expect.close(float(areas @ K), 2 * np.pi * chi, n * SINGLE, "The sum of A K", on=on, picture=picture)
 
 
@@ -505,6 +530,14 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 )
 def _(vertices: FloatArray, faces: IntArray) -> Any:
     return truths.defects(vertices, faces) / truths.third_areas(vertices, faces)
+
+
+@DISCRETE_GAUSSIAN_CURVATURE.mistake(
+    "Voronoi cells were used in place of mixed ones",
+    hint="Which cells does the docstring name? How large is a Voronoi cell among obtuse triangles?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    return truths.defects(vertices, faces) / truths.voronoi_areas(vertices, faces)
 
 
 @DISCRETE_GAUSSIAN_CURVATURE.mistake(
@@ -655,7 +688,7 @@ _FACE_KEYS = ("smallest_angle", "aspect_ratio", "radius_ratio")
 
 def _expect_quality(f: Asked, inputs: list[tuple[FloatArray, IntArray, dict[str, Any], str]]) -> None:
     answers = [f(vertices, faces) for vertices, faces, _, _ in inputs]
-    for value, (_, _, truth, on) in zip(answers, inputs, strict=True):
+    for value, (vertices, faces, truth, on) in zip(answers, inputs, strict=True):
         expect.that(value is not None, "The result is None: is a `return` missing?", on=on)
         is_dict = isinstance(value, dict)
         message = f"The result should be a dict; it is a {type(value).__name__}."
@@ -665,7 +698,9 @@ def _expect_quality(f: Asked, inputs: list[tuple[FloatArray, IntArray, dict[str,
         for key, known in truth.items():
             want = np.asarray(known, dtype=float)
             mine = expect.array(value[key], want.shape, f'"{key}"', on=on)
-            expect.close(mine, want, SINGLE * np.abs(want).max(), f'"{key}"', on=on)
+            item = "vertex" if key == "valence" else "face"
+            shown = pictures.Field(vertices, faces, key, item=item)
+            expect.close(mine, want, SINGLE * np.abs(want).max(), f'"{key}"', on=on, shown=shown)
 
 
 @MESH_QUALITY.check("an equilateral triangle: 60°, and both ratios 1")

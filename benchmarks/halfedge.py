@@ -269,10 +269,10 @@ def main() -> None:
             peers = [result for result in case if result.contender in complete]
             if peers:
                 best = min(peers, key=lambda result: result.median)
-                cpu_best = min(peers, key=lambda result: result.cpu_median)
+                cpu_best = min(peers, key=lambda result: result.cpu_least)
                 print(
                     f"ratio to the best peer: {case[0].median / best.median:.2f} ({best.contender}); ",
-                    f"of the processor {case[0].cpu_median / cpu_best.cpu_median:.2f} ({cpu_best.contender})",
+                    f"of the processor {case[0].cpu_least / cpu_best.cpu_least:.2f} ({cpu_best.contender})",
                     sep="",
                 )
     for contender in contenders:

@@ -76,9 +76,9 @@ def grade(
 ) -> GradeBook:
     """Grade the submissions in `folder` and write the grade book into `out`.
 
-    Writes ``grades.csv``, ``index.html``, ``students/NAME.html`` and ``gradescope/NAME/results.json``.
-    The same submissions and seed give the same files, to the byte. Nothing is written when the input
-    cannot be used.
+    Writes ``grades.csv``, ``times.csv``, ``index.html``, ``students/NAME.html`` and
+    ``gradescope/NAME/results.json``. The same submissions and seed give the same files, to the byte, but for
+    the times. Nothing is written when the input cannot be used.
 
     Parameters
     ----------
@@ -133,6 +133,7 @@ def grade(
                 progress(len(done), len(submissions), report.student)
     book = GradeBook(tuple(done[s.student] for s in submissions), chosen, exercises, seed, out, limits.least)
     gradebook.write(book.table, gradebook.grades_csv(book.reports, exercises))
+    gradebook.write(out / "times.csv", gradebook.times_csv(book.reports, exercises))
     if junit:
         gradebook.write(out / "junit.xml", junit_xml(book.reports))
     gradebook.write(book.page, reports.class_page(book.reports, chosen, exercises, seed, names))

@@ -9,6 +9,7 @@ import numpy as np
 
 from gpcourse.exercises import expect
 from gpcourse.exercises.exercise import Exercise
+from gpcourse.exercises.halfedge import pictures
 from gpcourse.exercises.halfedge.inputs import (
     FaceLists,
     Rng,
@@ -24,6 +25,7 @@ from gpcourse.exercises.halfedge.inputs import (
     with_isolated_vertices,
 )
 from gpcourse.exercises.judging import Asked
+from gpcourse.exercises.pictures import Positions
 from gpcourse.geometry import shapes
 from gpcourse.geometry.arrays import FloatArray
 from gpcourse.geometry.halfedge_mesh import HOLE, NONE, HalfedgeMesh
@@ -58,16 +60,19 @@ def _expect_dual(f: Asked, mesh: HalfedgeMesh, faces: FaceLists, on: str) -> tup
     vertices = expect.array(value[0], (len(faces), 3), "The dual's vertex array", on=on)
     rows = value[1]
     length = len(rows) if hasattr(rows, "__len__") else -1
-    message = f"The dual has {length} faces; there should be one for each of the {mesh.n_vertices} vertices."
-    expect.that(length == mesh.n_vertices, message, on=on)
+    message = f"The dual has {length} faces; there should be one for each vertex."
+    told = f"The dual has {length} faces; there should be one for each of the {mesh.n_vertices} vertices."
+    expect.that(length == mesh.n_vertices, message, told=told, on=on)
     mine = expect.polygons(rows, len(faces), "The faces of the dual", on=on)
     centroids = np.array([positions(mesh)[face].mean(axis=0) for face in faces])
     size = float(np.abs(positions(mesh)).max())
     # A mean is rounded by about 1e-16 of the largest coordinate; 1e-6 also admits float32.
-    expect.close(vertices, centroids, 1e-6 * size, "The vertices of the dual, which are centroids", on=on)
+    what, shown = "The vertices of the dual, which are centroids", Positions(None, None)
+    expect.close(vertices, centroids, 1e-6 * size, what, on=on, shown=shown)
     for v, face in enumerate(mine):
         want = [i for i, corners in enumerate(faces) if v in corners]
-        details: dict[str, Any] = {"yours": str(face), "on": on}
+        draw = pictures.of_surface(vertices, mine, face)
+        details: dict[str, Any] = {"yours": str(face), "on": on, "picture": draw}
         message = f"Face {v} of the dual should name the faces around vertex {v}."
         expect.that(sorted(face) == want, message, truth=f"the faces {want}", **details)
         ring = _faces_around(faces, v)
@@ -216,8 +221,7 @@ EULER_CHARACTERISTIC = Exercise(
 def _expect_numbers(f: Asked, what: str, questions: list[tuple[HalfedgeMesh, int, str]]) -> None:
     """Ask all questions before the first answer is judged: one number alone fits several mistakes."""
     answers = [f(mesh) for mesh, _, _ in questions]
-    for i, (answer, (_, want, on)) in enumerate(zip(answers, questions, strict=True)):
-        f.about = i
+    for answer, (_, want, on) in zip(f.each(answers), questions, strict=True):
         mine = expect.integer(answer, what, on=on)
         expect.that(mine == want, f"{what} is not right.", yours=str(mine), truth=str(want), on=on)
 
@@ -412,6 +416,14 @@ def _(mesh: HalfedgeMesh) -> Any:
 )
 def _(mesh: HalfedgeMesh) -> Any:
     return 1 - reference.euler_characteristic(mesh) / 2
+
+
+@GENUS.mistake(
+    "the formula for one closed surface was used for all, and the result rounded down",
+    hint="V − E + F = 2(1 − g) holds for one closed surface. Which of the two does your mesh break?",
+)
+def _(mesh: HalfedgeMesh) -> Any:
+    return (2 - reference.euler_characteristic(mesh)) // 2
 
 
 @GENUS.mistake(

@@ -39,10 +39,10 @@ RIGID_TRANSFORM = Exercise(
 
 
 def _expect_motion(mine: Motion, want: Motion, size: float, pq: Motion, on: str) -> None:
-    picture = pictures.of_alignment(*pq, *mine, pairs=True)
+    drawn = pictures.of_alignment(*pq, mine, want, pairs=True)
     # Measured: the singular vectors leave 3e-15 on these clouds. 1e-12 is what the course asks for.
-    expect.close(mine[0], want[0], 1e-12, "R", on=on, picture=picture)
-    expect.close(mine[1], want[1], 1e-12 * (1 + size), "t", on=on, picture=picture)
+    expect.close(mine[0], want[0], 1e-12, "R", on=on, **drawn)
+    expect.close(mine[1], want[1], 1e-12 * (1 + size), "t", on=on, **drawn)
 
 
 def _expect_best(mine: Motion, p: FloatArray, q: FloatArray, w: FloatArray, on: str) -> None:
@@ -55,7 +55,7 @@ def _expect_best(mine: Motion, p: FloatArray, q: FloatArray, w: FloatArray, on: 
     R, t = mine
     w = w / w.sum()
     size = float(np.ptp(p, axis=0).max())
-    details: dict[str, Any] = {"on": on, "picture": pictures.of_alignment(p, q, R, t, pairs=True)}
+    details: dict[str, Any] = {"on": on, **pictures.of_alignment(p, q, mine, pairs=True)}
     left = w @ (p - moved(q, R, t))
     # Rounding leaves 1e-16 of the size; 1e-7 also admits single precision of unit-sized clouds.
     expect.that(
@@ -94,9 +94,9 @@ def _(f: Asked, rng: Rng) -> None:
         want = random_motion(rng, scale)
         p = moved(q, *want)
         cases.append((p, q, want, scale, f(p, q)))
-    for p, q, want, scale, answer in cases:
+    for f.about, (p, q, want, scale, answer) in enumerate(cases):
         on = f"{len(q)} points of size {scale:g}"
-        _expect_motion(motion(answer, on=on), want, 4 * scale, (p, q), on)
+        _expect_motion(motion(answer, on=on, clouds=(p, q)), want, 4 * scale, (p, q), on)
 
 
 @RIGID_TRANSFORM.check("no other motion fits noisy pairs better")
@@ -106,9 +106,9 @@ def _(f: Asked, rng: Rng) -> None:
         q = rng.normal(size=(16, 3)) + 2 * rng.normal(size=3)
         p = moved(q, *random_motion(rng, 2.0)) + noise * rng.normal(size=q.shape)
         cases.append((p, q, f(p, q)))
-    for p, q, answer in cases:
+    for f.about, (p, q, answer) in enumerate(cases):
         on = f"{len(q)} noisy pairs"
-        _expect_best(motion(answer, on=on), p, q, np.ones(len(q)), on)
+        _expect_best(motion(answer, on=on, clouds=(p, q)), p, q, np.ones(len(q)), on)
 
 
 @RIGID_TRANSFORM.check("noisy points near a plane give a rotation, never a reflection", points=2)
@@ -116,10 +116,11 @@ def _(f: Asked, rng: Rng) -> None:
     p, q, want = _mirrored(rng)
     noisy = p + 0.02 * rng.normal(size=p.shape)
     exact, rough = f(p, q), f(noisy, q)
-    on = "points near a plane, noisy across it"
+    f.about, on = 0, "points near a plane, noisy across it"
     # As above, but the third direction is 30 times shorter: 1e-12 still leaves a hundredfold.
-    _expect_motion(motion(exact, on=on), want, 4.0, (p, q), on)
-    _expect_best(motion(rough, on=on), noisy, q, np.ones(len(q)), on)
+    _expect_motion(motion(exact, on=on, clouds=(p, q)), want, 4.0, (p, q), on)
+    f.about = 1
+    _expect_best(motion(rough, on=on, clouds=(noisy, q)), noisy, q, np.ones(len(q)), on)
 
 
 @RIGID_TRANSFORM.check("a mirror image gives the best rotation")
@@ -127,7 +128,7 @@ def _(f: Asked, rng: Rng) -> None:
     q = rng.normal(size=(12, 3)) * [3.0, 2.0, 1.0]
     p = moved(-q, *random_motion(rng))
     on = "a cloud and its mirror image"
-    _expect_best(motion(f(p, q), on=on), p, q, np.ones(len(q)), on)
+    _expect_best(motion(f(p, q), on=on, clouds=(p, q)), p, q, np.ones(len(q)), on)
 
 
 @RIGID_TRANSFORM.check("points in a plane, and points on a line")
@@ -136,13 +137,17 @@ def _(f: Asked, rng: Rng) -> None:
     plane = rng.normal(size=(7, 2)) @ rng.normal(size=(2, 3))
     line = rng.normal(size=(6, 1)) * rng.normal(size=3) + rng.normal(size=3)
     answers = [f(moved(q, *want), q) for q in (plane, line)]
-    on = "7 points in a plane"
-    mine = motion(answers[0], on=on)
+    f.about, on = 0, "7 points in a plane"
+    p = moved(plane, *want)
+    mine = motion(answers[0], on=on, clouds=(p, plane))
     # In a plane the motion is still unique; the worst of 1000 random planes lost four digits.
-    expect.close(mine[0], want[0], 1e-9, "R", on=on)
-    on = "6 points on a line"
+    expect.close(
+        mine[0], want[0], 1e-9, "R", on=on, **pictures.of_alignment(p, plane, mine, want, pairs=True)
+    )
+    f.about, on = 1, "6 points on a line"
     R, t = motion(answers[1], on=on)
-    expect.close(moved(line, R, t), moved(line, *want), 1e-9, "The moved points", on=on)
+    shown = pictures.Positions(line, None, item="point")
+    expect.close(moved(line, R, t), moved(line, *want), 1e-9, "The moved points", on=on, shown=shown)
 
 
 @RIGID_TRANSFORM.check("weights count in every sum", points=2)
@@ -155,10 +160,10 @@ def _(f: Asked, rng: Rng) -> None:
     noisy = moved(q, *want) + 0.3 * rng.normal(size=q.shape)
     graded = rng.uniform(0.1, 5, size=15)
     exact, rough = f(p, q, trusted), f(noisy, q, graded)
-    on = "15 pairs, 4 of them wrong and of weight 0"
-    _expect_motion(motion(exact, on=on), want, 4.0, (p, q), on)
-    on = "15 noisy pairs with different weights"
-    _expect_best(motion(rough, on=on), noisy, q, graded, on)
+    f.about, on = 0, "15 pairs, 4 of them wrong and of weight 0"
+    _expect_motion(motion(exact, on=on, clouds=(p, q)), want, 4.0, (p, q), on)
+    f.about, on = 1, "15 noisy pairs with different weights"
+    _expect_best(motion(rough, on=on, clouds=(noisy, q)), noisy, q, graded, on)
 
 
 def _svd(
@@ -273,6 +278,16 @@ def _(p: FloatArray, q: FloatArray, weights: Any = None) -> Any:
 
 
 @RIGID_TRANSFORM.mistake(
+    "q̄ was turned the other way: a row times R is what Rᵀ does to a column",
+    hint="Points are rows here. Which product turns a row by R: with R or with Rᵀ on its right?",
+)
+def _(p: FloatArray, q: FloatArray, weights: Any = None) -> Any:
+    U, V, a, b, D = _svd(p, q, weights, weights)
+    R = V @ D @ U.T
+    return R, a - b @ R
+
+
+@RIGID_TRANSFORM.mistake(
     "the rotation was applied to p̄ in place of q̄",
     hint="Which of the two clouds is turned?",
 )
@@ -364,13 +379,13 @@ def _(f: Asked, rng: Rng) -> None:
         q, t = scale * rng.normal(size=(40, 3)), scale * rng.normal(size=3)
         n = _directions(rng, 40)
         cases.append((q, t, scale, f(q + t, q, n)))
-    for q, t, scale, answer in cases:
+    for f.about, (q, t, scale, answer) in enumerate(cases):
         on = f"a cloud of size {scale:g} and its translate"
         R, shift = motion(answer, on=on)
-        picture = pictures.of_alignment(q + t, q, R, shift)
+        drawn = pictures.of_alignment(q + t, q, (R, shift), (np.eye(3), t), pairs=True)
         # Normal equations square a condition number of about 100 scale: at most 1e-8 is lost.
-        expect.close(R, np.eye(3), 1e-8, "R, which should be the identity", on=on, picture=picture)
-        expect.close(shift, t, 1e-8 * scale * 10, "t", on=on, picture=picture)
+        expect.close(R, np.eye(3), 1e-8, "R, which should be the identity", on=on, **drawn)
+        expect.close(shift, t, 1e-8 * scale * 10, "t", on=on, **drawn)
 
 
 @POINT_TO_PLANE_STEP.check("a small motion is found to first order", points=2)
@@ -381,13 +396,14 @@ def _(f: Asked, rng: Rng) -> None:
         want = turn(rng.normal(size=3), small), small * rng.normal(size=3)
         p = moved(q, *want)
         cases.append((small, want, p, q, n @ want[0].T, f(p, q, n @ want[0].T)))
-    for small, want, p, q, _, answer in cases:
+    for f.about, (small, want, p, q, _, answer) in enumerate(cases):
         on = f"a turn by {small:g} and a shift of that size"
         R, t = motion(answer, on=on)
-        picture = pictures.of_alignment(p, q, R, t)
+        drawn = pictures.of_alignment(p, q, (R, t), want, pairs=True)
         # What is neglected is of second order: measured, it stays below 4 small² on such clouds.
-        expect.close(R, want[0], 40 * small**2, "R", on=on, picture=picture)
-        expect.close(moved(q, R, t), p, 160 * small**2, "The moved points", on=on, picture=picture)
+        expect.close(R, want[0], 40 * small**2, "R", on=on, **drawn)
+        shown = pictures.Positions(q, None, item="point")
+        expect.close(moved(q, R, t), p, 160 * small**2, "The moved points", on=on, shown=shown)
 
 
 def _turned(rng: Rng) -> tuple[FloatArray, FloatArray, FloatArray, Motion]:
@@ -403,7 +419,7 @@ def _(f: Asked, rng: Rng) -> None:
         p, q, n, _motion = _turned(rng)
         p = p + 0.05 * rng.normal(size=p.shape)
         cases.append((p, q, n, f(p, q, n)))
-    for p, q, n, answer in cases:
+    for f.about, (p, q, n, answer) in enumerate(cases):
         on = "a turn by about 30°, with noise"
         R, t = motion(answer, on=on)
         # Rounding leaves 1e-15. I + [r]× is off by r², here by 0.05 or more.
@@ -414,7 +430,8 @@ def _(f: Asked, rng: Rng) -> None:
         r, angle = solution[:3], float(np.linalg.norm(solution[:3]))
         # The axis stays where it is. Six normal equations of condition 1e3 lose six digits at most.
         axis = "R r, where r solves the six equations and should be the axis of R"
-        expect.close(R @ r, r, 1e-8, axis, on=on)
+        drawn = pictures.of_alignment(p, q, (R, t), pairs=True)
+        expect.close(R @ r, r, 1e-8, axis, on=on, **drawn)
         expect.that(
             abs(angle_of(R, r) - angle)
             <= angle**3 / 2,  # exponential, Cayley and projection all agree so far
@@ -422,10 +439,11 @@ def _(f: Asked, rng: Rng) -> None:
             yours=f"{angle_of(R, r):.4f}",
             truth=f"about {angle:.4f}",
             on=on,
+            **drawn,
         )
         # About which point one turns makes a difference of second order only.
         reach = float(np.linalg.norm(q, axis=1).max())
-        expect.close(t, solution[3:], 0.55 * angle**2 * reach + 1e-8, "t", on=on)
+        expect.close(t, solution[3:], 0.55 * angle**2 * reach + 1e-8, "t", on=on, **drawn)
 
 
 def angle_of(R: FloatArray, axis: FloatArray) -> float:
@@ -448,7 +466,7 @@ def _(f: Asked, rng: Rng) -> None:
         expect.that(apart < 1e3, "The points fly away.", on=on, yours=f"as far as {apart:.3g}")
     # The error is squared in each step: 0.6, 0.2, 0.02, 2e-4, 4e-8, 1e-15, whatever the constant is near 1.
     expect.close(
-        x, p, 1e-9, "The points after 8 steps", on=on, picture=pictures.of_alignment(p, x, *steps[-1])
+        x, p, 1e-9, "The points after 8 steps", on=on, shown=pictures.Positions(q, None, item="point")
     )
 
 

@@ -52,7 +52,7 @@ RANDOM_SAMPLING = Exercise(
 def _(f: Asked, rng: Rng) -> None:
     cases = [(30, 25, int(rng.integers(2**31))), (12, 12, int(rng.integers(2**31))), (9, 1, 5)]
     answers = [f(*case) for case in cases]
-    for (n, k, seed), answer in zip(cases, answers, strict=True):
+    for (n, k, seed), answer in zip(cases, f.each(answers), strict=True):
         sample(answer, n, k, on=f"{k} of {n} points, seed {seed}")
 
 
@@ -159,7 +159,7 @@ def _(f: Asked, rng: Rng) -> None:
     cases = [(_uneven(rng, n), k) for n, k in ((150, 20), (60, 5))]
     cases.append((100 * cases[0][0], 9))
     answers = [f(*case) for case in cases]
-    for (points, k), answer in zip(cases, answers, strict=True):
+    for (points, k), answer in zip(cases, f.each(answers), strict=True):
         on = f"{k} of {len(points)} points, denser on one side"
         chosen = sample(answer, len(points), k, on=on)
         distances = brute_force(points[chosen], points)
@@ -202,10 +202,12 @@ def _(f: Asked, rng: Rng) -> None:
     points = places[rng.permutation(np.repeat(np.arange(5), 3))]
     on = "15 points in 5 places"
     few, every = f(points, 5), f(points, 15)
+    f.about = 0
     chosen = sample(few, 15, 5, on=on)
     expect.that(
         len(np.unique(points[chosen], axis=0)) == 5, "Two chosen points are in the same place.", on=on
     )
+    f.about = 1
     sample(every, 15, 15, on=f"all of {on}")
 
 
@@ -322,7 +324,7 @@ def _(f: Asked, rng: Rng) -> None:
     normals, _ = _grooved_normals(rng)
     cases = [(normals, 24), (normals[:50], 50), (normals, 110), (landscape(rng, 49).normals, 30)]
     answers = [f(*case, int(rng.integers(2**31))) for case in cases]
-    for (some, k), answer in zip(cases, answers, strict=True):
+    for (some, k), answer in zip(cases, f.each(answers), strict=True):
         sample(answer, len(some), k, on=f"{k} of {len(some)} points")
 
 
@@ -515,13 +517,14 @@ def _speeds(surface: Surface, motions: FloatArray) -> FloatArray:
 def _(f: Asked, rng: Rng) -> None:
     cases = _known_surfaces(rng)
     answers = [f(surface.points, surface.normals) for _, _, surface in cases]
-    for (name, count, surface), answer in zip(cases, answers, strict=True):
+    for (name, count, surface), answer in zip(cases, f.each(answers), strict=True):
         values, _ = _analysis(answer, name)
         # Exact normals: a slipping motion has 1e-16, the others here never less than 1e-4 of the largest.
         zeros = int(np.count_nonzero(np.abs(values) < 1e-8 * np.abs(values).max()))
         if zeros != count:
             raise expect.Wrong(
-                f"{zeros} eigenvalues are zero; {name} slips in {count} independent motions.",
+                f"{zeros} eigenvalues are zero: not as many as {name} has independent slipping motions.",
+                told=f"{zeros} eigenvalues are zero; {name} slips in {count} independent motions.",
                 yours=expect.brief(values.round(6)),
                 on=name,
                 picture=pictures.of_sample(surface.points, np.arange(0), name),
@@ -534,25 +537,21 @@ def _(f: Asked, rng: Rng) -> None:
 def _(f: Asked, rng: Rng) -> None:
     cases = _known_surfaces(rng)[1:]
     answers = [f(surface.points, surface.normals) for _, _, surface in cases]
-    for (name, _, surface), answer in zip(cases, answers, strict=True):
+    for (name, _, surface), answer in zip(cases, f.each(answers), strict=True):
         values, motions = _analysis(answer, name)
         # eigh leaves 1e-15; 1e-6 also admits single precision.
         gram = motions.T @ motions
-        expect.close(
-            gram, np.eye(6), 1e-6, "The columns of motions are not orthonormal: motionsᵀ motions", on=name
-        )
+        what = "The columns of motions are not orthonormal: motionsᵀ motions"
+        expect.close(gram, np.eye(6), 1e-6, what, on=name, shown=pictures.Table("motionsᵀ motions"))
         speeds = _speeds(surface, motions)
-        expect.close(
-            (speeds**2).mean(axis=0),
-            values,
-            1e-6,
-            "The mean square of (r × x + t)·n, for each column (r, t) of motions,",
-            on=name,
-        )
+        means = (speeds**2).mean(axis=0)
+        worst = int(np.abs(means - values).argmax())
+        what = "The mean square of (r × x + t)·n, for each column (r, t) of motions,"
+        picture = pictures.of_speeds(surface.points, speeds[:, worst], worst)
+        expect.close(means, values, 1e-6, what, on=name, picture=picture)
         form = speeds.T @ speeds / len(speeds)
-        expect.close(
-            form, np.diag(values), 1e-6, "The form in the basis of motions, which is diagonal,", on=name
-        )
+        what = "The form in the basis of motions, which is diagonal,"
+        expect.close(form, np.diag(values), 1e-6, what, on=name, shown=pictures.Table("the form"))
 
 
 @SLIPPAGE_ANALYSIS.check("neither place nor scale changes the eigenvalues")
@@ -699,7 +698,7 @@ def _(f: Asked, rng: Rng) -> None:
     plate, hills = _grooved_plate(rng), landscape(rng, 60)
     cases = [(plate, 60), (hills, 60), (hills, 7)]
     answers = [f(surface.points, surface.normals, k) for surface, k in cases]
-    for (surface, k), answer in zip(cases, answers, strict=True):
+    for (surface, k), answer in zip(cases, f.each(answers), strict=True):
         sample(answer, len(surface.points), k, on=f"{k} of {len(surface.points)} points")
 
 
@@ -710,7 +709,7 @@ def _(f: Asked, rng: Rng) -> None:
     answers = [f(surface.points, surface.normals, 40) for surface in plates]
     drawn = [_condition(plate, rng.choice(308, 40, replace=False)) for _ in range(25)]
     usual = float(np.median(drawn))
-    for surface, answer in zip(plates, answers, strict=True):
+    for surface, answer in zip(plates, f.each(answers), strict=True):
         on = f"40 of 308 points of a plate with two grooves, size {np.ptp(surface.points, axis=0).max():.3g}"
         chosen = sample(answer, 308, 40, on=on)
         condition = _condition(surface, chosen)
@@ -719,7 +718,7 @@ def _(f: Asked, rng: Rng) -> None:
             condition <= usual / BETTER,
             "The sample lets the plate slip: the condition number of its six equations is not much better "
             "than that of random samples.",
-            yours=f"{condition:.3g}",
+            yours=f"{condition:.3g}" if condition < 1e12 else "infinite: the six equations are singular",
             truth=f"random samples have {usual:.3g}; below {usual / BETTER:.3g} is well possible",
             on=on,
             picture=pictures.of_sample(surface.points, chosen),

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
 from gpcourse.exercises.smoothing import expecting, truths
@@ -59,7 +59,7 @@ Cells = list[tuple[FloatArray, IntArray, FloatArray, str]]
 
 def _expect_cells(f: Asked, inputs: Cells) -> None:
     answers = [f(vertices, faces) for vertices, faces, _, _ in inputs]
-    for value, (vertices, faces, truth, on) in zip(answers, inputs, strict=True):
+    for value, (vertices, faces, truth, on) in zip(f.each(answers), inputs, strict=True):
         bare = shapes.Shape(
             "mesh", vertices, faces, boundary_lengths=(3,), interior=np.ones(len(vertices), dtype=bool)
         )
@@ -99,11 +99,13 @@ def _declare_total(exercise: Exercise) -> None:
             (apart(rng), "two pieces"),
         ]
         answers = [f(shape.vertices, faces_of(shape)) for shape, _ in for_all]
-        for value, (shape, on) in zip(answers, for_all, strict=True):
+        for value, (shape, on) in zip(f.each(answers), for_all, strict=True):
             mine = expect.array(value, (len(shape.vertices),), "The array of areas", on=on)
             total = float(truths.face_areas(shape.vertices, faces_of(shape)).sum())
             size = max(total, float(np.abs(mine).max()))
-            expect.close(float(mine.sum()), total, SINGLE * size, "The sum of the cells", on=on)
+            picture = pictures.of_own(shape.vertices, faces_of(shape), mine, "area of a cell")
+            what = "The sum of the cells"
+            expect.close(float(mine.sum()), total, SINGLE * size, what, on=on, picture=picture)
 
 
 # Barycentric ------------------------------------------------------------------------------------
@@ -179,6 +181,15 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
     areas = np.zeros(len(vertices))
     areas[faces] += truths.face_areas(vertices, faces)[:, None] / 3
     return areas
+
+
+@BARYCENTRIC_AREAS.mistake(
+    "the thirds went to the corners of other faces: three whole rounds in place of three times each",
+    hint="Is entry k of your list of thirds that of the face which entry k of `faces.ravel()` belongs to?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    thirds = np.tile(truths.face_areas(vertices, faces) / 3, 3)
+    return np.bincount(faces.ravel(), weights=thirds, minlength=len(vertices))
 
 
 @BARYCENTRIC_AREAS.mistake(
@@ -441,8 +452,9 @@ MASS_MATRIX = Exercise(
 def _(f: Asked, rng: Rng) -> None:
     for_all = [(closed(rng), "a closed mesh"), (bounded(rng), "a mesh with holes")]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _ in for_all]
-    for value, (shape, on) in zip(answers, for_all, strict=True):
-        expecting.matrix(value, np.diag(truths.mixed_areas(shape.vertices, faces_of(shape))), on=on)
+    for value, (shape, on) in zip(f.each(answers), for_all, strict=True):
+        place = shape.vertices, faces_of(shape)
+        expecting.matrix(value, np.diag(truths.mixed_areas(*place)), *place, on=on)
 
 
 @MASS_MATRIX.check("the cells that are named")
@@ -450,10 +462,10 @@ def _(f: Asked, rng: Rng) -> None:
     shape = bounded(rng)
     names = [str(name) for name in rng.permutation(list(truths.CELLS))]
     answers = [f(shape.vertices, faces_of(shape), cells=name) for name in names]
-    for i, (value, name) in enumerate(zip(answers, names, strict=True)):
-        f.about = i
-        truth = np.diag(truths.CELLS[name](shape.vertices, faces_of(shape)))
-        expecting.matrix(value, truth, on=f"a mesh with holes and obtuse angles, cells={name!r}")
+    for value, name in zip(f.each(answers), names, strict=True):
+        place = shape.vertices, faces_of(shape)
+        truth = np.diag(truths.CELLS[name](*place))
+        expecting.matrix(value, truth, *place, on=f"a mesh with holes and obtuse angles, cells={name!r}")
 
 
 @MASS_MATRIX.check("refuses cells that there are not")

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
-from gpcourse.exercises.smoothing import expecting, pictures, truths
+from gpcourse.exercises.smoothing import expecting, truths
 from gpcourse.exercises.smoothing.inputs import (
     SINGLE,
     Rng,
@@ -70,7 +70,7 @@ def _(f: Asked, rng: Rng) -> None:
 def _(f: Asked, rng: Rng) -> None:
     for_all = [(closed(rng), "a closed mesh"), (bounded(rng), "a mesh with holes")]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _ in for_all]
-    for value, (shape, on) in zip(answers, for_all, strict=True):
+    for value, (shape, on) in zip(f.each(answers), for_all, strict=True):
         expecting.values(value, _half_gradient(shape), shape, "H n", on=on, only=shape.interior)
 
 
@@ -111,6 +111,14 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 
 
 @MEAN_CURVATURE_NORMAL.mistake(
+    "the factor ½ was applied twice",
+    hint="Δx = −2 H n, and the cotangent matrix has a ½ already. How many are left to apply?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    return -0.25 * truths.laplacian(vertices, faces) @ vertices
+
+
+@MEAN_CURVATURE_NORMAL.mistake(
     "the sign is missing: the vectors point inwards on a sphere",
     hint="Δx pulls the vertices of a sphere inwards, and H is positive there. Which way must n point?",
 )
@@ -124,6 +132,15 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 )
 def _(vertices: FloatArray, faces: IntArray) -> Any:
     return -0.5 * truths.mean_of_neighbours(faces, len(vertices)) @ vertices
+
+
+@MEAN_CURVATURE_NORMAL.mistake(
+    "the vectors were made as long as 1",
+    hint="The length of the vector is the mean curvature. What is left of it?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    Hn = -0.5 * truths.laplacian(vertices, faces) @ vertices
+    return Hn / np.linalg.norm(Hn, axis=1, keepdims=True)
 
 
 @MEAN_CURVATURE_NORMAL.mistake(
@@ -163,7 +180,7 @@ def _(f: Asked, rng: Rng) -> None:
     ball = sphere(rng, R)
     n, normals = len(ball.vertices), ball.vertices / R
     answers = [f(ball.vertices, faces_of(ball), sign * normals) for sign in (1.0, -1.0)]
-    for value, sign, way in zip(answers, (1.0, -1.0), ("outward", "inward"), strict=True):
+    for value, sign, way in zip(f.each(answers), (1.0, -1.0), ("outward", "inward"), strict=True):
         on = f"a sphere of radius {R:.3g} with {way} normals"
         expecting.values(value, np.full(n, sign / R), ball, "H", on=on, scale=10 / R)
 
@@ -184,7 +201,7 @@ def _(f: Asked, rng: Rng) -> None:
 def _(f: Asked, rng: Rng) -> None:
     for_all = [(closed(rng), "a closed mesh"), (bounded(rng), "a mesh with holes")]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _ in for_all]
-    for value, (shape, on) in zip(answers, for_all, strict=True):
+    for value, (shape, on) in zip(f.each(answers), for_all, strict=True):
         truth = np.linalg.norm(_half_gradient(shape), axis=1)
         expecting.values(value, truth, shape, "|H|", on=on, only=shape.interior)
 
@@ -288,7 +305,7 @@ ANGLE_DEFECT = Exercise(
 def _expect_defects(f: Asked, for_all: list[tuple[shapes.Shape, FloatArray | None, str]]) -> None:
     """Expect the defects of each shape; None stands for those worked out from half chords."""
     answers = [f(shape.vertices, faces_of(shape)) for shape, _, _ in for_all]
-    for value, (shape, known, on) in zip(answers, for_all, strict=True):
+    for value, (shape, known, on) in zip(f.each(answers), for_all, strict=True):
         truth = truths.defects(shape.vertices, faces_of(shape)) if known is None else known
         # The terms are angles; single precision loses 4e-7 of a sum of 2π.
         expecting.values(value, truth, shape, "The angle defect", on=on, scale=2 * np.pi)
@@ -324,10 +341,10 @@ def _(f: Asked, rng: Rng) -> None:
         (patch(rng), 1, "a disc"),
     ]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _, _ in for_all]
-    for value, (shape, chi, on) in zip(answers, for_all, strict=True):
+    for value, (shape, chi, on) in zip(f.each(answers), for_all, strict=True):
         n = len(shape.vertices)
         mine = expect.array(value, (n,), "The array of defects", on=on)
-        picture = pictures.of_residual(shape.vertices, faces_of(shape), mine, "|defect|")
+        picture = pictures.of_own(shape.vertices, faces_of(shape), mine, "defect")
         expect.close(
             float(mine.sum()), 2 * np.pi * chi, n * SINGLE, "The sum of the defects", on=on, picture=picture
         )
@@ -393,6 +410,22 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 
 
 @ANGLE_DEFECT.mistake(
+    "the angles are in degrees",
+    hint="The course measures angles in radians. How large is a full turn then?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    return np.degrees(truths.defects(vertices, faces))
+
+
+@ANGLE_DEFECT.mistake(
+    "2π, in radians, is compared with angles in degrees",
+    hint="In which unit does your function measure the angles, and in which one the full turn?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    return _defect(vertices, faces, np.degrees(truths.angles(vertices, faces)))
+
+
+@ANGLE_DEFECT.mistake(
     "the sign is the wrong way round",
     hint="The angles at a corner of a cube sum to less than 2π. Is its curvature positive or negative?",
 )
@@ -441,7 +474,7 @@ def _(f: Asked, rng: Rng) -> None:
     sizes = rng.permutation([0.01, 1.0, 100.0])
     placed = [turned(s, rng).scaled(size) for s, size in zip(solids, sizes, strict=True)]
     answers = [f(s.vertices, faces_of(s)) for s in placed]
-    for value, s, size in zip(answers, placed, sizes, strict=True):
+    for value, s, size in zip(f.each(answers), placed, sizes, strict=True):
         K = 4 * np.pi / truths.face_areas(s.vertices, faces_of(s)).sum()
         expecting.values(value, np.full(len(s.vertices), K), s, "K", on=f"{s.name}, times {size:g}")
 
@@ -454,10 +487,10 @@ def _(f: Asked, rng: Rng) -> None:
         (patch(rng), 1, "a disc"),
     ]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _, _ in for_all]
-    for value, (shape, chi, on) in zip(answers, for_all, strict=True):
+    for value, (shape, chi, on) in zip(f.each(answers), for_all, strict=True):
         n, areas = len(shape.vertices), truths.mixed_areas(shape.vertices, faces_of(shape))
         K = expect.array(value, (n,), "The array of curvatures", on=on)
-        picture = pictures.of_values(shape.vertices, faces_of(shape), K, _gaussian(shape), "K")
+        picture = pictures.of_own(shape.vertices, faces_of(shape), K, "K")
         expect.close(float(areas @ K), 2 * np.pi * chi, n * SINGLE, "The sum of A K", on=on, picture=picture)
 
 
@@ -465,7 +498,7 @@ def _(f: Asked, rng: Rng) -> None:
 def _(f: Asked, rng: Rng) -> None:
     for_all = [(closed(rng), "a closed mesh"), (bounded(rng), "a mesh with holes")]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _ in for_all]
-    for value, (shape, on) in zip(answers, for_all, strict=True):
+    for value, (shape, on) in zip(f.each(answers), for_all, strict=True):
         expecting.values(value, _gaussian(shape), shape, "K", on=on)
 
 
@@ -505,6 +538,14 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 )
 def _(vertices: FloatArray, faces: IntArray) -> Any:
     return truths.defects(vertices, faces) / truths.third_areas(vertices, faces)
+
+
+@DISCRETE_GAUSSIAN_CURVATURE.mistake(
+    "Voronoi cells were used in place of mixed ones",
+    hint="Which cells does the docstring name? How large is a Voronoi cell among obtuse triangles?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    return truths.defects(vertices, faces) / truths.voronoi_areas(vertices, faces)
 
 
 @DISCRETE_GAUSSIAN_CURVATURE.mistake(
@@ -655,7 +696,7 @@ _FACE_KEYS = ("smallest_angle", "aspect_ratio", "radius_ratio")
 
 def _expect_quality(f: Asked, inputs: list[tuple[FloatArray, IntArray, dict[str, Any], str]]) -> None:
     answers = [f(vertices, faces) for vertices, faces, _, _ in inputs]
-    for value, (_, _, truth, on) in zip(answers, inputs, strict=True):
+    for value, (vertices, faces, truth, on) in zip(f.each(answers), inputs, strict=True):
         expect.that(value is not None, "The result is None: is a `return` missing?", on=on)
         is_dict = isinstance(value, dict)
         message = f"The result should be a dict; it is a {type(value).__name__}."
@@ -665,7 +706,9 @@ def _expect_quality(f: Asked, inputs: list[tuple[FloatArray, IntArray, dict[str,
         for key, known in truth.items():
             want = np.asarray(known, dtype=float)
             mine = expect.array(value[key], want.shape, f'"{key}"', on=on)
-            expect.close(mine, want, SINGLE * np.abs(want).max(), f'"{key}"', on=on)
+            item = "vertex" if key == "valence" else "face"
+            shown = pictures.Field(vertices, faces, key, item=item)
+            expect.close(mine, want, SINGLE * np.abs(want).max(), f'"{key}"', on=on, shown=shown)
 
 
 @MESH_QUALITY.check("an equilateral triangle: 60°, and both ratios 1")

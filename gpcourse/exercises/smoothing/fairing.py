@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
-from gpcourse.exercises.smoothing import pictures, truths
+from gpcourse.exercises.smoothing import truths
 from gpcourse.exercises.smoothing.inputs import (
     SINGLE,
     Rng,
@@ -42,7 +43,9 @@ DIRICHLET_ENERGY = Exercise(
 )
 
 
-def _expect_energies(answers: list[Any], truths_: list[float], names: list[str], sizes: list[float]) -> None:
+def _expect_energies(
+    answers: Iterable[Any], truths_: list[float], names: list[str], sizes: list[float]
+) -> None:
     for value, truth, on, size in zip(answers, truths_, names, sizes, strict=True):
         mine = expect.number(value, "The energy", on=on)
         expect.close(mine, truth, SOLVED * size, "The energy", on=on)
@@ -70,7 +73,7 @@ def _(f: Asked, rng: Rng) -> None:
     answers = [f(matrices(shape)[0], shape.vertices) for shape in many]
     areas = [float(truths.face_areas(shape.vertices, faces_of(shape)).sum()) for shape in many]
     sizes = [10 * area for area in areas]
-    _expect_energies(answers, [2 * area for area in areas], ["a sphere", "a mesh with holes"], sizes)
+    _expect_energies(f.each(answers), [2 * area for area in areas], ["a sphere", "a mesh with holes"], sizes)
 
 
 @DIRICHLET_ENERGY.check("a mode of frequency ω, of length 1 in M, has the energy ω")
@@ -82,7 +85,9 @@ def _(f: Asked, rng: Rng) -> None:
     answers = [f(C, phi[:, i]), f(C, phi[:, [i, j]])]
     truth = [float(frequencies[i]), float(frequencies[i] + frequencies[j])]
     sizes = [10 * float(frequencies[12])] * 2
-    _expect_energies(answers, truth, ["one mode of a closed mesh", "two modes of a closed mesh"], sizes)
+    _expect_energies(
+        f.each(answers), truth, ["one mode of a closed mesh", "two modes of a closed mesh"], sizes
+    )
 
 
 @DIRICHLET_ENERGY.variant("edge by edge: weights times squared differences")
@@ -156,7 +161,7 @@ def _(f: Asked, rng: Rng) -> None:
     # The edges of a tetrahedron in a sphere of radius s have length s √(8/3).
     areas = [6 * s**2, 8 / np.sqrt(3) * s**2, s**2]
     names = [f"{name}, size {s:.3g}" for name in ("a cube of triangles", "a tetrahedron", "a flat square")]
-    _expect_energies(answers, areas, names, areas)
+    _expect_energies(f.each(answers), areas, names, areas)
 
 
 @MEMBRANE_ENERGY.check("obtuse triangles, holes and several components")
@@ -164,7 +169,7 @@ def _(f: Asked, rng: Rng) -> None:
     many = [closed(rng), bounded(rng), apart(rng)]
     answers = [f(shape.vertices, faces_of(shape)) for shape in many]
     areas = [_heron(shape) for shape in many]
-    _expect_energies(answers, areas, ["a closed mesh", "a mesh with holes", "two components"], areas)
+    _expect_energies(f.each(answers), areas, ["a closed mesh", "a mesh with holes", "two components"], areas)
 
 
 def _heron(shape: shapes.Shape) -> float:
@@ -239,7 +244,7 @@ def _(f: Asked, rng: Rng) -> None:
     answers = [f(C, M, phi[:, i]), f(C, M, phi[:, [i, j]])]
     squares = frequencies**2
     names, sizes = ["one mode of a closed mesh", "two modes of a closed mesh"], [10 * float(squares[12])] * 2
-    _expect_energies(answers, [float(squares[i]), float(squares[i] + squares[j])], names, sizes)
+    _expect_energies(f.each(answers), [float(squares[i]), float(squares[i] + squares[j])], names, sizes)
 
 
 @THIN_PLATE_ENERGY.check("of the positions: four times the integral of H²")
@@ -251,7 +256,7 @@ def _(f: Asked, rng: Rng) -> None:
     areas = [float(truths.face_areas(s.vertices, faces_of(s)).sum()) for s in solids]
     names = [f"a regular {s.name} on a sphere of radius {R:.3g}" for s in solids]
     energies = [4 * area / R**2 for area in areas]
-    _expect_energies(answers, energies, names, energies)
+    _expect_energies(f.each(answers), energies, names, energies)
 
 
 @THIN_PLATE_ENERGY.check("the integral of the squared Laplacian of any function, cell by cell")
@@ -340,14 +345,6 @@ def _line(t: FloatArray, left: float, right: float) -> FloatArray:
     return np.asarray(left + (right - left) * (t - t[0]) / (t[-1] - t[0]))
 
 
-def _string(t: FloatArray, values: FloatArray) -> Any:
-    """Show a curve in the plane beside the straight line."""
-    from gpcourse.view import curves_scene
-
-    mine, line = np.column_stack([t, values]), np.column_stack([t, _line(t, values[0], values[-1])])
-    return curves_scene([mine, line], colours=("orange", "blue"), title="yours, and the least energy")
-
-
 def _expect_string(value: object, t: FloatArray, left: float, right: float, on: str) -> None:
     mine = expect.array(value, (len(t),), "The array of values", on=on)
     size = 5 * max(abs(left), abs(right), 1.0)
@@ -355,7 +352,7 @@ def _expect_string(value: object, t: FloatArray, left: float, right: float, on: 
     expect.close(ends, 0.0, SOLVED * size, "The distance to the given value at an end", on=on)
     # f″ = 0: the slopes of all intervals are the same.
     what = "f, which should be straight,"
-    expect.close(mine, _line(t, left, right), SOLVED * size, what, on=on, picture=lambda: _string(t, mine))
+    expect.close(mine, _line(t, left, right), SOLVED * size, what, on=on, shown=pictures.Graph(t))
 
 
 @EULER_LAGRANGE_1D.check("in equal steps, equal differences")
@@ -369,7 +366,7 @@ def _(f: Asked, rng: Rng) -> None:
 def _(f: Asked, rng: Rng) -> None:
     many = [(_samples(rng), float(rng.uniform(-4.0, 4.0)), float(rng.uniform(-4.0, 4.0))) for _ in range(3)]
     answers = [f(t, left, right) for t, left, right in many]
-    for value, (t, left, right) in zip(answers, many, strict=True):
+    for value, (t, left, right) in zip(f.each(answers), many, strict=True):
         _expect_string(value, t, left, right, f"{len(t)} samples in uneven steps")
 
 
@@ -388,7 +385,8 @@ def _(f: Asked, rng: Rng) -> None:
     message = "There is a function with the same ends and less energy."
     yours, truth = f"energy {energy:.6g}", f"energy {least:.6g}"
     slack = SOLVED * (1 + abs(least))
-    expect.that(energy <= least + slack, message, yours=yours, truth=truth, picture=lambda: _string(t, mine))
+    picture = pictures.of_graph(t, mine)
+    expect.that(energy <= least + slack, message, yours=yours, truth=truth, picture=picture)
 
 
 @EULER_LAGRANGE_1D.variant("interpolation between the ends, in single precision")
@@ -421,6 +419,16 @@ def _(t: FloatArray, left: float, right: float) -> Any:
 def _(t: FloatArray, left: float, right: float) -> Any:
     lengths = np.append(0.0, np.cumsum(np.diff(t) ** 2))
     return left + (right - left) * lengths / lengths[-1]
+
+
+@EULER_LAGRANGE_1D.mistake(
+    "the terms were multiplied by the length of their interval, not divided",
+    hint="Does the same difference cost more over a short interval or over a long one?",
+)
+def _(t: FloatArray, left: float, right: float) -> Any:
+    # The energy Σ w_i d_i² with Σ d_i given is least for d_i in proportion to 1 / w_i.
+    rises = np.append(0.0, np.cumsum(1 / np.diff(t)))
+    return left + (right - left) * rises / rises[-1]
 
 
 @EULER_LAGRANGE_1D.mistake(
@@ -491,21 +499,30 @@ def _power(vertices: FloatArray, faces: IntArray, order: int) -> FloatArray:
     return np.asarray(C @ np.linalg.matrix_power(truths.laplacian(vertices, faces), order - 1))
 
 
+def _expect_fixed(
+    mine: FloatArray, before: FloatArray, faces: IntArray, fixed: IntArray, tolerance: float, on: str
+) -> None:
+    """Expect that the fixed vertices are where they were."""
+    moved = np.zeros_like(before)
+    moved[fixed] = mine[fixed] - before[fixed]
+    shown = pictures.Field(before, faces, "how far a fixed vertex moved")
+    expect.close(moved, 0.0, tolerance, "How far a fixed vertex moved", on=on, shown=shown)
+
+
 def _expect_fair(f: Asked, rng: Rng, orders: tuple[int, ...]) -> None:
     asked = []
     for order in orders:
         shape, fixed = _sheet(rng, order)
         asked.append((f(shape.vertices, faces_of(shape), fixed, order), shape, fixed, order))
-    for value, shape, fixed, order in asked:
+    for f.about, (value, shape, fixed, order) in enumerate(asked):
         on = f"a bumpy sheet, order {order}"
         mine = expect.array(value, shape.vertices.shape, "The array of positions", on=on)
         size = float(np.ptp(shape.vertices, axis=0).max()) + float(np.abs(shape.vertices).max())
         truth = _faired(shape.vertices, faces_of(shape), fixed, order)
-        picture = pictures.of_positions(shape.vertices, mine, truth, faces_of(shape))
-        message = "The position of a fixed vertex"
-        expect.close(mine[fixed], shape.vertices[fixed], SINGLE * size, message, on=on, picture=picture)
+        _expect_fixed(mine, shape.vertices, faces_of(shape), fixed, SINGLE * size, on)
+        shown = pictures.Positions(shape.vertices, faces_of(shape))
         # The condition numbers stay below 1e3.
-        expect.close(mine, truth, SOLVED * size, f"Δ^{order} x = 0: a position", on=on, picture=picture)
+        expect.close(mine, truth, SOLVED * size, f"The positions, by Δ^{order} x = 0", on=on, shown=shown)
 
 
 def _faired(vertices: FloatArray, faces: IntArray, fixed: IntArray, order: int, K: Any = None) -> FloatArray:
@@ -528,19 +545,17 @@ def _(f: Asked, rng: Rng) -> None:
     on = "a bumpy sheet in a flat frame, order 1"
     value = f(vertices, faces_of(shape), fixed, 1)
     mine = expect.array(value, vertices.shape, "The array of positions", on=on)
-    truth = _faired(vertices, faces_of(shape), fixed, 1)
-    picture = pictures.of_positions(vertices, mine, truth, faces_of(shape))
-    what = "The position of a fixed vertex"
-    expect.close(mine[fixed], vertices[fixed], SINGLE * size, what, on=on, picture=picture)
-    heights = mine @ normal
-    expect.close(
-        heights, 0.0, SOLVED * size, "The height over the plane of the frame", on=on, picture=picture
-    )
+    _expect_fixed(mine, vertices, faces_of(shape), fixed, SINGLE * size, on)
+    shown = pictures.Field(mine, faces_of(shape), "height")
+    what = "The height over the plane of the frame"
+    expect.close(mine @ normal, 0.0, SOLVED * size, what, on=on, shown=shown)
     C = truths.stiffness(vertices, faces_of(shape))
     free = np.setdiff1d(np.arange(len(vertices)), fixed)
-    residual = (C @ mine)[free]
+    residual = np.zeros_like(mine)
+    residual[free] = (C @ mine)[free]
     bound = SOLVED * float(np.abs(C).max()) * max(size, float(np.abs(mine).max()))
-    expect.close(residual, 0.0, bound, "Cx at a free vertex", on=on, picture=picture)
+    shown = pictures.Field(mine, faces_of(shape), "|Cx|")
+    expect.close(residual, 0.0, bound, "Cx at a free vertex", on=on, shown=shown)
 
 
 @FAIR.check("membrane and thin plate: Δᵏx = 0 where nothing is fixed", points=2)
@@ -563,11 +578,9 @@ def _(f: Asked, rng: Rng) -> None:
     on = "a sheet with bumps in the middle, order 2"
     value = f(vertices, faces_of(shape), fixed, 2)
     mine = expect.array(value, vertices.shape, "The array of positions", on=on)
-    truth = _faired(vertices, faces_of(shape), fixed, 2)
-    picture = pictures.of_positions(vertices, mine, truth, faces_of(shape))
-    what = "The position of a fixed vertex"
-    expect.close(mine[fixed], vertices[fixed], SINGLE * size, what, on=on, picture=picture)
-    expect.close(mine @ normal, 0.0, 10 * SOLVED * size, "The height over the plane", on=on, picture=picture)
+    _expect_fixed(mine, vertices, faces_of(shape), fixed, SINGLE * size, on)
+    shown = pictures.Field(mine, faces_of(shape), "height")
+    expect.close(mine @ normal, 0.0, 10 * SOLVED * size, "The height over the plane", on=on, shown=shown)
 
 
 def _indices(vertices: FloatArray, fixed: Any) -> IntArray:

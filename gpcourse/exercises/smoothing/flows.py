@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
-from gpcourse.exercises.smoothing import expecting, pictures, truths
+from gpcourse.exercises.smoothing import expecting, truths
 from gpcourse.exercises.smoothing.inputs import (
     ITERATED,
     SINGLE,
@@ -84,7 +84,7 @@ def _(f: Asked, rng: Rng) -> None:
     shape = closed(rng)
     L, steps = _uniform(shape), (0.0, float(rng.uniform(0.1, 0.9)), -0.25)
     answers = [f(shape.vertices, L, lam) for lam in steps]
-    for value, lam in zip(answers, steps, strict=True):
+    for value, lam in zip(f.each(answers), steps, strict=True):
         # The mean over the neighbours has the weight λ, the vertex itself the rest.
         mean = (truths.dense(L) + np.eye(len(shape.vertices))) @ shape.vertices
         truth = (1 - lam) * shape.vertices + lam * mean
@@ -156,19 +156,12 @@ STABLE_STEP = Exercise(
 )
 
 
-def _expect_step(value: object, C: Any, M: Any, on: str) -> None:
-    truth = 2 / truths.modes(C, M)[0][-1]
-    mine = expect.number(value, "The step", on=on)
-    # An iteration that stops after six digits is good enough.
-    expect.close(mine, truth, 1e-5 * truth, "The largest stable step", on=on)
-
-
 @STABLE_STEP.check("just below it every mode decays, just above it one grows", points=2)
 def _(f: Asked, rng: Rng) -> None:
     for_all = [(closed(rng), "a closed mesh"), (bounded(rng), "a mesh with holes")]
     asked = [(*matrices(shape), on) for shape, on in for_all]
     answers = [f(C, M) for C, M, _ in asked]
-    for value, (C, M, on) in zip(answers, asked, strict=True):
+    for value, (C, M, on) in zip(f.each(answers), asked, strict=True):
         step = expect.number(value, "The step", on=on)
         fastest = float(truths.modes(C, M)[0][-1])
         below, above = abs(1 - 0.999 * step * fastest), abs(1 - 1.001 * step * fastest)
@@ -178,16 +171,17 @@ def _(f: Asked, rng: Rng) -> None:
         expect.that(above >= 1.0, message, yours=f"{step:.6g}", on=on)
 
 
-@STABLE_STEP.check("a square of side a in 25 cells: a²/100")
+@STABLE_STEP.check("a rectangle of sides a and a/2 in 25 cells: a²/250")
 def _(f: Asked, rng: Rng) -> None:
-    square = grid(rng)
+    rectangle = grid(rng).transformed(np.diag([1.0, 0.5, 1.0]))
     sides = [float(rng.uniform(0.5, 2.0)), 0.01, 100.0]
-    asked = [(*matrices(square.scaled(side)), side) for side in sides]
+    asked = [(*matrices(rectangle.scaled(side)), side) for side in sides]
     answers = [f(C, M) for C, M, _ in asked]
-    for value, (_, _, side) in zip(answers, asked, strict=True):
-        mine, on = expect.number(value, "The step"), f"a square of side {side:.3g}"
-        # The fastest mode changes its sign from vertex to vertex, along both axes: λ = −8/h² with h = a/5.
-        expect.close(mine, side**2 / 100, 1e-5 * side**2 / 100, "The largest stable step", on=on)
+    for value, (_, _, side) in zip(f.each(answers), asked, strict=True):
+        mine, on = expect.number(value, "The step"), f"a rectangle of sides {side:.3g} and {side / 2:.3g}"
+        # The fastest mode changes its sign from vertex to vertex, along both axes: λ = −4/h² − 4/k² with
+        # h = a/5 and k = a/10. A square would give 1/|λ| the size of the smallest cell's half.
+        expect.close(mine, side**2 / 250, 1e-5 * side**2 / 250, "The largest stable step", on=on)
 
 
 @STABLE_STEP.check("a regular solid on a sphere of radius R")
@@ -197,7 +191,7 @@ def _(f: Asked, rng: Rng) -> None:
     asked = [(*matrices(solid), solid.name) for solid in solids]
     answers = [f(C, M) for C, M, _ in asked]
     # Tetrahedron: three neighbours, all other modes have λ = −2/R². Octahedron: the fastest has λ = −3/R².
-    for value, (_, _, on), truth in zip(answers, asked, (R**2, 2 * R**2 / 3), strict=True):
+    for value, (_, _, on), truth in zip(f.each(answers), asked, (R**2, 2 * R**2 / 3), strict=True):
         mine = expect.number(value, "The step", on=on)
         expect.close(mine, truth, 1e-5 * truth, "The largest stable step", on=on)
 
@@ -292,7 +286,7 @@ def _(f: Asked, rng: Rng) -> None:
     solids = [turned(shapes.shuffled(s, rng), rng) for s in (shapes.tetrahedron(R), shapes.icosahedron(R))]
     lam = float(rng.uniform(0.5, 2.0) * R**2)
     answers = [f(s.vertices, *matrices(s), lam) for s in solids]
-    for value, s in zip(answers, solids, strict=True):
+    for value, s in zip(f.each(answers), solids, strict=True):
         on = f"a regular {s.name} on a sphere of radius {R:.3g}, λ = {lam / R**2:.3g} R²"
         expecting.positions(value, s.vertices / (1 + 2 * lam / R**2), s, on=on)
 
@@ -306,14 +300,15 @@ def _(f: Asked, rng: Rng) -> None:
         C, M = matrices(shape)
         lam = factor * float(M.diagonal().mean())
         asked.append((f(shape.vertices, C, M, lam), shape, C, M, lam, factor))
-    for value, shape, C, M, lam, factor in asked:
+    for f.about, (value, shape, C, M, lam, factor) in enumerate(asked):
         on, areas = f"a mesh with a boundary, λ of {factor:g} cells", M.diagonal()
         mine = expect.array(value, shape.vertices.shape, "The array of positions", on=on)
         residual = (M @ (mine - shape.vertices) - lam * (C @ mine)) / areas.mean()
         size = (float(areas.max()) + lam * float(abs(C).max())) / areas.mean()
         size *= max(float(np.abs(shape.vertices).max()), float(np.abs(mine).max()))
-        picture = pictures.of_residual(shape.vertices, faces_of(shape), residual, "residual")
-        expect.close(residual, 0.0, ITERATED * size, "(M − λC)P′ − MP", on=on, picture=picture)
+        what = "(M − λC)P′ − MP"
+        shown = pictures.Field(mine, faces_of(shape), f"|{what}|")
+        expect.close(residual, 0.0, ITERATED * size, what, on=on, shown=shown)
 
 
 @IMPLICIT_STEP.check("the centre of a closed surface stays, however far from the origin")
@@ -325,7 +320,7 @@ def _(f: Asked, rng: Rng) -> None:
     on = "a closed mesh far from the origin"
     mine = expect.array(value, shape.vertices.shape, "The array of positions", on=on)
     before, after = (areas @ x / areas.sum() for x in (shape.vertices, mine))
-    picture = pictures.of_positions(shape.vertices, mine, shape.vertices, faces_of(shape))
+    picture = pictures.of_before_and_after(shape.vertices, mine, faces_of(shape))
     size = 10 * max(float(np.abs(shape.vertices).max()), float(np.abs(mine).max()))
     expect.close(after, before, ITERATED * size, "The centre of the surface", on=on, picture=picture)
 
@@ -339,15 +334,12 @@ def _(f: Asked, rng: Rng) -> None:
     lam = float(M.diagonal().mean() * rng.uniform(50.0, 500.0))
     answers = [f(shape.vertices, C, M, lam, solver=solver) for solver in ("cg", "cholesky")]
     truth = _step(shape.vertices, C, M, lam)
-    for i, (value, solver) in enumerate(zip(answers, ("cg", "cholesky"), strict=True)):
-        f.about = i
+    for value, solver in zip(f.each(answers), ("cg", "cholesky"), strict=True):
         on = f'a mesh with holes, solver="{solver}"'
         mine = expect.array(value, truth.shape, "The array of positions", on=on)
         size = float(np.ptp(shape.vertices, axis=0).max())
-        picture = pictures.of_positions(shape.vertices, mine, truth, faces_of(shape))
-        handout = pictures.of_own_positions(shape.vertices, mine, faces_of(shape))
-        what = "The position of a vertex"
-        expect.close(mine, truth, ITERATED * size, what, on=on, picture=picture, handout=handout)
+        shown = pictures.Positions(shape.vertices, faces_of(shape))
+        expect.close(mine, truth, ITERATED * size, "The positions", on=on, shown=shown)
 
 
 @IMPLICIT_STEP.check("refuses a solver that there is not")
@@ -563,7 +555,7 @@ def _declare_flow(exercise: Exercise, claim: str, keep: bool) -> None:
         solids = [turned(shapes.shuffled(s, rng), rng) for s in (shapes.tetrahedron(R), shapes.octahedron(R))]
         lam, steps = float(rng.uniform(0.05, 0.1) * R**2), int(rng.integers(3, 6))
         answers = [f(s.vertices, faces_of(s), lam, steps) for s in solids]
-        for value, s in zip(answers, solids, strict=True):
+        for value, s in zip(f.each(answers), solids, strict=True):
             on = f"a regular {s.name} on a sphere of radius {R:.3g}, {steps} steps of {lam / R**2:.3g} R²"
             factor = _radius_after(R, lam, steps, keep=keep) / R
             expecting.positions(value, factor * s.vertices, s, on=on)
@@ -689,12 +681,11 @@ def _(f: Asked, rng: Rng) -> None:
     shape = replace(ball, vertices=bumpy)
     answers = [f(bumpy, faces, lam, steps, keep_volume=True) for steps in (1, 4)]
     start = _volume(bumpy, faces)
-    for i, (value, steps) in enumerate(zip(answers, (1, 4), strict=True)):
-        f.about = i
+    for value, steps in zip(f.each(answers), (1, 4), strict=True):
         on = f"a bumpy sphere, steps={steps}, keep_volume=True"
         mine = expect.array(value, bumpy.shape, "The array of positions", on=on)
         truth = _flow(bumpy, faces, lam, steps, keep=False, volume=True)
-        own = pictures.of_own_positions(bumpy, mine, faces)
+        own = pictures.of_before_and_after(bumpy, mine, faces)
         expect.close(_volume(mine, faces), start, 100 * SOLVED * start, "The volume", on=on, picture=own)
         # Whichever centre it is scaled about: that moves the surface, and by little.
         moved = mine.mean(axis=0) - bumpy.mean(axis=0)

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
-from gpcourse.exercises.smoothing import expecting, pictures, truths
+from gpcourse.exercises.smoothing import expecting, truths
 from gpcourse.exercises.smoothing.inputs import (
     SINGLE,
     Rng,
@@ -68,12 +68,15 @@ def _(f: Asked, rng: Rng) -> None:
     expect.close(frequencies, np.sort(frequencies), MODES * size, "The frequencies, sorted,", on=on)
     expect.close(frequencies, truth[:k], MODES * size, "The frequencies", on=on)
     products = phi.T @ (M @ phi)
-    expect.close(products, np.eye(k), MODES, "The inner products φᵀMφ", on=on)
+    shown: pictures.Shown = pictures.Modes(shape.vertices, faces_of(shape), phi, M.diagonal())
+    expect.close(products, np.eye(k), MODES, "The inner products φᵀMφ", on=on, shown=shown)
     residual = (C @ phi) / M.diagonal()[:, None] + phi * frequencies
     # Pointwise the fastest frequency, up to some 100 times this, has its part in the rounding.
     scale = float(np.abs(phi).max()) * float(truth[-1])
-    picture = pictures.of_residual(shape.vertices, faces_of(shape), residual, "|Δφ + ωφ|")
-    expect.close(residual, 0.0, MODES * scale, "Δφ + ωφ", on=on, picture=picture)
+    for i in range(k):
+        shown = pictures.Field(shape.vertices, faces_of(shape), "Δφ + ωφ", phi[:, i], f"your mode {i}")
+        what = f"Δφ + ωφ for mode {i}"
+        expect.close(residual[:, i], 0.0, MODES * scale, what, on=on, shown=shown)
 
 
 @EIGENMODES.check("a rectangle that keeps its heat has the frequencies of its cosines")
@@ -151,6 +154,15 @@ def _(C: Any, M: Any, k: int) -> Any:
 def _(C: Any, M: Any, k: int) -> Any:
     frequencies, phi = truths.modes(C, M)
     return frequencies[-k:], phi[:, -k:]
+
+
+@EIGENMODES.mistake(
+    "the right modes come in descending order",
+    hint="Where should the constant be: in the first column or in the last?",
+)
+def _(C: Any, M: Any, k: int) -> Any:
+    frequencies, phi = truths.modes(C, M)
+    return frequencies[:k][::-1], phi[:, :k][:, ::-1]
 
 
 @EIGENMODES.mistake(
@@ -256,7 +268,9 @@ def _(f: Asked, rng: Rng) -> None:
     _shape, M, _frequencies, phi = _surface(rng)
     one, three = rng.normal(size=8), rng.normal(size=(8, 3))
     answers = [f(phi[:, :8] @ one, phi[:, :8], M), f(phi[:, :8] @ three, phi[:, :8], M)]
-    for value, truth, on in zip(answers, (one, three), ("one function", "three functions"), strict=True):
+    for value, truth, on in zip(
+        f.each(answers), (one, three), ("one function", "three functions"), strict=True
+    ):
         mine = expect.array(value, truth.shape, "The array of coefficients", on=on)
         expect.close(mine, truth, 50 * SINGLE, "The coefficients", on=on)
 
@@ -448,7 +462,7 @@ def _(f: Asked, rng: Rng) -> None:
     ones = np.ones_like(function)
     answers = [f(function, frequencies, phi, M, ones), f(function, frequencies, phi, M, 0 * ones)]
     for value, truth, on in zip(
-        answers, (function, 0 * function), ("factors of 1", "factors of 0"), strict=True
+        f.each(answers), (function, 0 * function), ("factors of 1", "factors of 0"), strict=True
     ):
         expecting.values(value, truth, shape, "The result", on=on, scale=20.0)
 
@@ -461,7 +475,7 @@ def _(f: Asked, rng: Rng) -> None:
     one, three = rng.normal(size=n), rng.normal(size=(n, 3))
     answers = [f(one, frequencies, phi, M, factors), f(three, frequencies, phi, M, factors)]
     names = ("a random function", "three random functions")
-    for value, function, on in zip(answers, (one, three), names, strict=True):
+    for value, function, on in zip(f.each(answers), (one, three), names, strict=True):
         mine = expect.array(value, function.shape, "The result", on=on)
         have, had = phi.T @ (M @ mine), phi.T @ (M @ function)
         size = 10 * SINGLE * max(_norm(M), float(np.abs(have).max()))

@@ -27,7 +27,7 @@ FLOORS = (
 FLOOR_OF = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 
 #: Modules of exercises/ that are not a chapter.
-KIT = {"course", "exercise", "expect", "feedback", "judging"}
+KIT = {"course", "exercise", "expect", "feedback", "judging", "pictures"}
 
 HEAVY = (
     "scipy",

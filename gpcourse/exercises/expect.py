@@ -9,16 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from functools import partial
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
 from gpcourse.errors import GeometryError, HalfedgeError
-from gpcourse.geometry.arrays import FloatArray, IntArray, flatten_polygons
+from gpcourse.geometry.arrays import BoolArray, FloatArray, IntArray, flatten_polygons
 from gpcourse.geometry.halfedge_mesh import HalfedgeMesh
 
 if TYPE_CHECKING:
     from gpcourse.exercises.judging import Asked
+    from gpcourse.exercises.pictures import Shown
     from gpcourse.view.scene import Scene
 
 #: What an array of objects may hold to be read as one of numbers.
@@ -31,9 +33,11 @@ class Wrong(Exception):
     Parameters
     ----------
     message : str
-        What is not right, in a sentence or two.
+        What is not right, in a sentence or two that do not tell what is right: it may be handed out.
+    told : str, optional
+        The same with what is right, for the student's own notebook.
     yours, truth : str, optional
-        What was computed and what is true, where showing it does not give the answer away.
+        What was computed and what is true. The truth is not handed out.
     on : str, optional
         The input, in words.
     picture : callable, optional
@@ -46,6 +50,7 @@ class Wrong(Exception):
         self,
         message: str,
         *,
+        told: str = "",
         yours: str = "",
         truth: str = "",
         on: str = "",
@@ -54,6 +59,7 @@ class Wrong(Exception):
     ) -> None:
         super().__init__(message)
         self.message = message
+        self.told = told or message
         self.yours = yours
         self.truth = truth
         self.on = on
@@ -166,33 +172,86 @@ def close(
     what: str,
     *,
     on: str = "",
+    shown: Shown | None = None,
     **details: Any,
 ) -> None:
-    """Expect numbers within an absolute `tolerance` of the truth; names the worst one. NaN fails."""
+    """Expect numbers within an absolute `tolerance` of the truth; names the worst one. NaN fails.
+
+    `shown` says what the numbers are of. It draws them, and where it has an `item` for each row, rows are
+    counted and not numbers.
+    """
     have, want = np.asarray(value, dtype=float), np.asarray(truth, dtype=float)
-    error = np.abs(have - want)
-    if bool((error <= tolerance).all()):
+    if bool((np.abs(have - want) <= tolerance).all()):
         return
-    if error.ndim == 0:
+    if have.ndim == want.ndim == 0:
         mine, true = _told_apart(float(have), float(want))
         raise Wrong(f"{what} is not right.", yours=mine, truth=true, on=on, **details)
-    worst = np.unravel_index(int(np.argmax(np.where(np.isnan(error), np.inf, error))), error.shape)
-    many = int(np.count_nonzero(~(error <= tolerance)))
-    index = ", ".join(str(int(i)) for i in worst)
-    every = np.broadcast_to(have, error.shape), np.broadcast_to(want, error.shape)
-    mine, true = _told_apart(float(every[0][worst]), float(every[1][worst]))
-    raise Wrong(
-        f"{what}: {many} of {error.size} numbers differ; the worst is at index [{index}].",
-        yours=mine,
-        truth=true,
-        on=on,
-        **details,
-    )
+    have, want = (np.array(x) for x in np.broadcast_arrays(have, want))
+    by_row = shown is not None and bool(shown.item)
+    worst, wrong = _worst(have, want, tolerance, by_row)
+    at = f"{shown.item} {worst[0]}" if shown and by_row else f"index [{', '.join(map(str, worst))}]"
+    mine, true = _both(have[worst], want[worst])
+    begin = f"{what.rstrip(',')}, worst at {at}: yours {mine}"
+    many = int(np.count_nonzero(wrong))
+    end = f"{many:,} of {wrong.size:,} differ{'s' if many == 1 else ''}."
+    details = _drawn(shown, have, want, worst) | details
+    raise Wrong(f"{begin}; {end}", told=f"{begin}, expected {true}; {end}", on=on, **details)
+
+
+def flags(
+    value: BoolArray,
+    truth: BoolArray,
+    names: tuple[str, str],
+    *,
+    on: str = "",
+    shown: Shown | None = None,
+    item: str = "entry",
+) -> None:
+    """Expect booleans that equal the truth; `names` say what True and False mean."""
+    wrong = np.flatnonzero(value != truth)
+    if not len(wrong):
+        return
+    i = int(wrong[0])
+    mine, true = (names[0], names[1]) if value[i] else (names[1], names[0])
+    begin = f"{len(wrong):,} of {len(truth):,} are wrong, the first at {shown.item if shown else item} {i}"
+    details = _drawn(shown, value.astype(float), truth.astype(float), (i,))
+    raise Wrong(f"{begin}: yours {mine}.", told=f"{begin}: yours {mine}, expected {true}.", on=on, **details)
+
+
+def _drawn(shown: Shown | None, have: FloatArray, want: FloatArray, worst: tuple[int, ...]) -> dict[str, Any]:
+    """Return the pictures of a failure, by the names under which `Wrong` takes them."""
+    if shown is None:
+        return {}
+    scene = partial(shown.scene, have, want, worst)
+    return {"picture": partial(scene, True), "handout": partial(scene, False)}
+
+
+def _worst(
+    have: FloatArray, want: FloatArray, tolerance: float, by_row: bool
+) -> tuple[tuple[int, ...], BoolArray]:
+    """Return the index of the worst number, or row, and which of them are wrong."""
+    error = np.abs(have - want)
+    wrong = ~(error <= tolerance)
+    if by_row and error.ndim > 1:
+        error, wrong = np.asarray(np.linalg.norm(error, axis=1)), np.asarray(wrong.any(axis=1))
+    flat = int(np.argmax(np.where(np.isnan(error), np.inf, error)))
+    return tuple(int(i) for i in np.unravel_index(flat, error.shape)), wrong
+
+
+def _both(mine: FloatArray, true: FloatArray) -> tuple[str, str]:
+    """Write two numbers, or two rows of numbers, with as many digits as tell them apart."""
+    pairs = [_told_apart(float(a), float(b)) for a, b in zip(np.ravel(mine), np.ravel(true), strict=True)]
+    texts = [", ".join(pair[k] for pair in pairs).replace("-", "−") for k in (0, 1)]
+    return (f"({texts[0]})", f"({texts[1]})") if np.ndim(mine) else (texts[0], texts[1])
 
 
 def _told_apart(a: float, b: float) -> tuple[str, str]:
-    """Write two numbers with six digits, or with as many as show that they differ."""
-    digits = next((d for d in range(6, 17) if f"{a:.{d}g}" != f"{b:.{d}g}"), 17)
+    """Write two numbers with four digits, or with as many as show that they differ.
+
+    What rounding leaves beside the other is zero.
+    """
+    a, b = (0.0 if abs(x) < 1e-13 * abs(y) else x for x, y in ((a, b), (b, a)))
+    digits = 4 if a == b else next((d for d in range(4, 17) if f"{a:.{d}g}" != f"{b:.{d}g}"), 17)
     return f"{a:.{digits}g}", f"{b:.{digits}g}"
 
 

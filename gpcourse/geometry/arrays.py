@@ -38,7 +38,7 @@ def as_points(value: object, name: str = "points", *, dimension: int | None = 3)
     wanted = "d" if dimension is None else str(dimension)
     try:
         given = np.asarray(value)
-        if given.dtype.kind in "cSU":  # a cast would drop the imaginary part, or read a text as a number
+        if given.dtype.kind in "cSUmM":  # a cast would drop the imaginary part, or read a text as a number
             raise TypeError
         points = given.astype(np.float64, copy=False)
     except (TypeError, ValueError, OverflowError):
@@ -111,10 +111,8 @@ def flatten_polygons(faces: object, n_vertices: int, name: str = "faces") -> tup
     if len(outside):
         c = int(outside[0])
         f = int(np.searchsorted(np.cumsum(sizes), c, side="right"))
-        raise MeshError(
-            f"face {f} names vertex {corners[c]}; with {n_vertices} vertices "
-            f"the indices run from 0 to {n_vertices - 1}"
-        )
+        there = f"the indices run from 0 to {n_vertices - 1}" if n_vertices else "no index is valid"
+        raise MeshError(f"face {f} names vertex {corners[c]}; with {n_vertices} vertices {there}")
     _refuse_repeated_corners(corners, sizes)
     return corners, sizes
 
@@ -132,7 +130,11 @@ def _corners_and_sizes(faces: object, name: str) -> tuple[IntArray, IntArray]:
         raise ArrayError(f"{name} is a {type(faces).__name__}; give a list of index lists or an array")
     if flat.size == 0:
         return np.empty(0, dtype=np.int64), sizes
-    if flat.ndim != 1 or not np.issubdtype(flat.dtype, np.integer):
+    if flat.ndim != 1:
+        raise ArrayError(
+            f"{name} is nested {flat.ndim + 1} deep; give a list of index lists or an (m, k) array"
+        )
+    if not np.issubdtype(flat.dtype, np.integer):
         raise ArrayError(f"{name} holds {flat.dtype} values; vertex indices are integers")
     return flat.astype(np.int64, copy=False), sizes
 

@@ -42,6 +42,17 @@ def grades_csv(reports: Sequence[Report], exercises: Sequence[Exercise]) -> str:
     return buffer.getvalue()
 
 
+def times_csv(reports: Sequence[Report], exercises: Sequence[Exercise]) -> str:
+    """Write one row a student: the seconds that the answers of each exercise took, and their sum."""
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    writer.writerow(["student", *(e.name for e in exercises), "total"])
+    for report in reports:
+        seconds = [judged.seconds for judged in report.judged]
+        writer.writerow([_safe(report.student), *(f"{s:.3f}" for s in [*seconds, sum(seconds)])])
+    return buffer.getvalue()
+
+
 def _safe(text: str) -> str:
     line = "".join(c if c.isprintable() else " " for c in text)
     return f"'{line}" if line.lstrip().startswith(("=", "+", "-", "@")) else line
@@ -49,7 +60,7 @@ def _safe(text: str) -> str:
 
 def note(report: Report) -> str:
     """Say in one line what a person should know of a submission besides its points."""
-    parts = list(report.notes)
+    parts = [*report.notes, *filter(None, [report.fault])]
     for judged in report.judged:
         name, outcome = judged.verdict.exercise.name, judged.verdict.outcome
         parts.extend(f"{name}: {text}" for text in judged.notes)
@@ -62,12 +73,21 @@ def note(report: Report) -> str:
     return "; ".join(parts)
 
 
+def handed_out(report: Report) -> list[str]:
+    """Say what a student should know of the submission as a whole: no path, and no fault of ours in full."""
+    words = [feedback.without_paths(text) for text in report.notes]
+    if report.status == "grader fault":
+        words.append(
+            "The grader broke while it looked at this. It is our fault, and a person will look at it."
+        )
+    return words
+
+
 def gradescope(report: Report) -> str:
     """Write a submission in the format of Gradescope's results.json."""
-    output = note(report) if report.notes or report.status != "graded" else ""
     content: dict[str, Any] = {
         "score": report.points,
-        "output": output,
+        "output": "\n".join(handed_out(report)),
         "output_format": "text",
         "visibility": "visible",
         "stdout_visibility": "hidden",
@@ -79,12 +99,15 @@ def gradescope(report: Report) -> str:
 
 def _test(judged: Judged) -> dict[str, Any]:
     verdict = judged.verdict
+    words = feedback.as_text(verdict, answers=False)
+    if judged.missing:
+        words = f"There is no function called {verdict.exercise.name} in what was handed in."
     return {
         "name": verdict.exercise.name,
         "score": verdict.points,
         "max_score": verdict.exercise.points,
         "status": "passed" if verdict.outcome == "passed" else "failed",
-        "output": "\n".join([feedback.as_text(verdict, answers=False), *judged.notes]),
+        "output": "\n".join([words, *map(feedback.without_paths, judged.notes)]),
         "output_format": "text",
     }
 

@@ -24,12 +24,13 @@ OpenWorker = Callable[[Notebook], Worker]
 class Judged:
     """An exercise's verdict in a submission, and what is to be said besides.
 
-    `missing` says that no function of that name was found.
+    `missing` says that no function of that name was found. `seconds` is how long its answers took.
     """
 
     verdict: Verdict
     notes: tuple[str, ...] = ()
     missing: bool = False
+    seconds: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,7 @@ class Report:
     could be read, or what was read of a damaged one holds no work; ``grader fault`` when a person has
     to look, because a check of ours broke.
     `confinement` is the level (see `sandbox.lockdown`) at which its code was run.
+    `fault` says what broke where no exercise can be given the blame; it is not handed out.
     """
 
     student: str
@@ -47,6 +49,7 @@ class Report:
     judged: tuple[Judged, ...]
     notes: tuple[str, ...] = ()
     confinement: Level = "limits"
+    fault: str = ""
 
     @property
     def points(self) -> int:
@@ -72,7 +75,7 @@ def judge_submission(
         raise
     except Exception as error:  # noqa: BLE001  # whatever it is, the run goes on
         judged = tuple(Judged(Verdict(exercise, "grader fault")) for exercise in exercises)
-        return Report(submission.student, "grader fault", judged, (f"{type(error).__name__}: {error}",))
+        return Report(submission.student, "grader fault", judged, fault=f"{type(error).__name__}: {error}")
 
 
 def _judge_submission(

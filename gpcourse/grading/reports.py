@@ -33,6 +33,8 @@ SIGNS: dict[Outcome, tuple[str, str]] = {
 }
 
 _BINS = 10
+#: Characters of a text on a page.
+_LONGEST = 6000
 
 
 @dataclass(frozen=True)
@@ -50,10 +52,19 @@ class Cell:
 def _environment() -> Environment:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-    folder = FileSystemLoader(Path(__file__).parent / "templates")
     return Environment(
-        loader=folder, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        loader=FileSystemLoader(Path(__file__).parent / "templates"),
+        autoescape=True,
+        finalize=_finalize,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
+
+
+def _finalize(value: object) -> object:
+    """Take control characters out of what is inserted, and cut it off; markup is ours and stays."""
+    return feedback.clean(value, _LONGEST) if type(value) is str else value
 
 
 def _render(template: str, **content: Any) -> str:
@@ -77,7 +88,7 @@ def student_page(report: Report, chapters: Sequence[Chapter], seed: int) -> str:
             "outcome": judged.verdict.outcome,
             # as_html escapes what comes from a student
             "html": Markup(feedback.as_html(judged.verdict, answers=False)) if judged.verdict.results else "",
-            "notes": judged.notes,
+            "notes": [feedback.without_paths(text) for text in judged.notes],
             "missing": judged.missing,
         }
         for judged in report.judged
@@ -85,6 +96,7 @@ def student_page(report: Report, chapters: Sequence[Chapter], seed: int) -> str:
     return _render(
         "student.html",
         report=report,
+        notes=gradebook.handed_out(report),
         share=_share(report.points, report.out_of),
         title=title_of(chapters),
         panels=panels,
@@ -107,10 +119,11 @@ def class_page(
             "link": f"students/{names[report.student]}.html",
             "cells": [_cell(judged) for judged in report.judged],
             "share": _share(report.points, report.out_of),
-            "note": gradebook.note(report),
         }
         for report in reports
     ]
+    looked_at = [report for report in reports if _needs_a_person(report)]
+    noted = [report for report in reports if report not in looked_at and _reasons(report)]
     totals = [report.points for report in reports]
     return _render(
         "class.html",
@@ -124,9 +137,37 @@ def class_page(
         median=_number(statistics.median(totals)),
         confinement=", ".join(sorted({report.confinement for report in reports})),
         full=sum(report.points == report.out_of for report in reports),
+        attempted=sum(report.status in ("graded", "grader fault") for report in reports),
+        looked_at=[_told(report, names) for report in looked_at],
+        noted=[_told(report, names) for report in noted],
         seed=seed,
         legend=[(sign, colour, outcome) for outcome, (sign, colour) in SIGNS.items()],
     )
+
+
+def _needs_a_person(report: Report) -> bool:
+    """Tell whether something of ours broke, nothing could be read, or a function may have the wrong name."""
+    near = any(judged.missing and judged.notes for judged in report.judged)
+    return report.status in ("grader fault", "unreadable") or near
+
+
+def _told(report: Report, names: Mapping[str, str]) -> dict[str, Any]:
+    faults = [
+        (judged.verdict.exercise.name, result.check.claim, result.fault)
+        for judged in report.judged
+        for result in judged.verdict.results
+        if result.outcome == "grader fault"
+    ]
+    link = f"students/{names[report.student]}.html"
+    return {"report": report, "link": link, "reasons": _reasons(report), "faults": faults}
+
+
+def _reasons(report: Report) -> list[str]:
+    """Say what a person should know of a submission, but what the table of students shows."""
+    of_exercises = [
+        f"{judged.verdict.exercise.name}: {text}" for judged in report.judged for text in judged.notes
+    ]
+    return [*report.notes, *filter(None, [report.fault]), *of_exercises]
 
 
 def _cell(judged: Judged) -> Cell:
@@ -160,15 +201,15 @@ def _summary(reports: Sequence[Report], i: int, exercise: Exercise) -> dict[str,
         "name": exercise.name,
         "points": exercise.points,
         "mean": _number(mean),
-        "share": _share(mean, exercise.points),
+        "share": round(_share(mean, exercise.points)),
         "parts": [
             {
                 "outcome": outcome,
+                "sign": sign,
                 "colour": colour,
                 "count": counts[outcome],
-                "share": _share(counts[outcome], len(reports)),
             }
-            for outcome, (_, colour) in SIGNS.items()
+            for outcome, (sign, colour) in SIGNS.items()
             if counts[outcome]
         ],
     }
@@ -186,6 +227,7 @@ def _mistakes(reports: Sequence[Report], names: Mapping[str, str]) -> list[dict[
         {
             "exercise": exercise,
             "name": name,
+            "common": len(students) > 1,
             "students": [{"name": s, "link": f"students/{names[s]}.html"} for s in students],
         }
         for (exercise, name), students in ranked

@@ -76,8 +76,9 @@ def grade(
 ) -> GradeBook:
     """Grade the submissions in `folder` and write the grade book into `out`.
 
-    Writes ``grades.csv``, ``index.html``, ``students/NAME.html`` and ``gradescope/NAME/results.json``.
-    The same submissions and seed give the same files, to the byte. Nothing is written when the input
+    Writes ``grades.csv``, ``times.csv``, ``index.html``, ``students/NAME.html`` and
+    ``gradescope/NAME/results.json``. The same submissions and seed give the same files, to the byte, but for
+    the times. Nothing is written when the input
     cannot be used.
 
     Parameters
@@ -133,6 +134,7 @@ def grade(
                 progress(len(done), len(submissions), report.student)
     book = GradeBook(tuple(done[s.student] for s in submissions), chosen, exercises, seed, out, limits.least)
     gradebook.write(book.table, gradebook.grades_csv(book.reports, exercises))
+    gradebook.write(out / "times.csv", gradebook.times_csv(book.reports, exercises))
     if junit:
         gradebook.write(out / "junit.xml", junit_xml(book.reports))
     gradebook.write(book.page, reports.class_page(book.reports, chosen, exercises, seed, names))
@@ -232,9 +234,10 @@ def _judge_all(
 
 
 def _slim(report: Report) -> Report:
-    """Drop the questions and answers, so that memory stays flat over a large class."""
+    """Drop the questions and answers but for their time, so that memory stays flat over a large class."""
     judged = []
     for one in report.judged:
         results = tuple(replace(result, questions=()) for result in one.verdict.results)
-        judged.append(replace(one, verdict=replace(one.verdict, results=results)))
+        seconds = sum(q.answer.seconds for result in one.verdict.results for q in result.questions)
+        judged.append(replace(one, verdict=replace(one.verdict, results=results), seconds=seconds))
     return replace(report, judged=tuple(judged))

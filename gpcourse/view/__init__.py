@@ -19,15 +19,16 @@ not a notebook makes scenes with `mesh_scene`, `halfedge_scene` and their like a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Sized
 from dataclasses import replace
+from reprlib import repr as short
 from typing import Any
 
 from gpcourse.errors import ArrayError
 from gpcourse.geometry.halfedge_mesh import HalfedgeMesh
 from gpcourse.view import scene
 from gpcourse.view.camera import positions as positions_of
-from gpcourse.view.compose import curves_scene, mesh_scene, points_scene
+from gpcourse.view.compose import curves_scene, mesh_scene, points_scene, vectors_scene
 from gpcourse.view.connectivity import halfedge_scene
 from gpcourse.view.one_ring import neighbours_scene
 from gpcourse.view.picture import Picture
@@ -49,6 +50,9 @@ __all__ = [
     "points_scene",
     "scene",
     "side_by_side",
+    "together",
+    "vectors",
+    "vectors_scene",
 ]
 
 
@@ -66,7 +70,7 @@ def mesh(
     notebook the others. ``static=True`` gives a picture that does not turn.
 
     The settings are those of `mesh_scene`: ``title, direction, smooth, edges, colour, face_colours,
-    values_on, colour_map, limits, value_name, alt``.
+    vertex_colours, values_on, colour_map, limits, value_name, alt``.
     """
     if isinstance(values, Mapping):
         if not values:
@@ -103,6 +107,8 @@ def _seen(one: Scene) -> Scene:
 def _scenes(pictures: Iterable[object]) -> list[Scene]:
     if isinstance(pictures, (Picture, Scene)):
         raise ArrayError("one picture is given where several are needed; give a list of pictures")
+    if not isinstance(pictures, Iterable):
+        raise ArrayError(f"pictures is a {type(pictures).__name__}; give a list of pictures")
     scenes = [picture.scene if isinstance(picture, Picture) else picture for picture in pictures]
     for i, one in enumerate(scenes):
         if not isinstance(one, Scene):
@@ -149,6 +155,8 @@ def animation(
                 f"frame {i} has {len(one.panels)} panels, the first has {len(scenes[0].panels)}; "
                 "give frames with equally many"
             )
+    if names is not None and (isinstance(names, str) or not isinstance(names, Sized)):
+        raise ArrayError(f"names is {short(names)}; give a list of names, one for each frame")
     if names is not None and len(names) != len(scenes):
         raise ArrayError(f"there are {len(names)} names for {len(scenes)} frames; give one for each")
     called = tuple(str(name) for name in names) if names is not None else ()
@@ -203,6 +211,32 @@ def points(
 def curves(lines: object, *, static: bool | None = None, **settings: Any) -> Picture:
     """Show one curve or several. Settings: ``colours, closed, on, width, title, direction, alt``."""
     return Picture(_seen(curves_scene(lines, **settings)), static=static)
+
+
+def vectors(at: object, vectors: object, *, static: bool | None = None, **settings: Any) -> Picture:
+    """Show vectors as arrows. Settings: ``on, colour, scale, title, direction, alt``."""
+    return Picture(_seen(vectors_scene(at, vectors, **settings)), static=static)
+
+
+def together(*pictures: Picture | Scene, static: bool | None = None, alt: str | None = None) -> Picture:
+    """Lay pictures of one panel over each other, seen as the first is seen: a mesh, points, arrows.
+
+    Raises
+    ------
+    ArrayError
+        If there is none, or one has several panels.
+    """
+    scenes = _scenes(pictures)
+    if not scenes:
+        raise ArrayError("there are no pictures; give at least one")
+    for i, one in enumerate(scenes):
+        if len(one.panels) != 1:
+            raise ArrayError(
+                f"picture {i} has {len(one.panels)} panels; pictures with one can be laid over each other"
+            )
+    layers = tuple(layer for one in scenes for layer in one.panels[0].layers)
+    words = " ".join(one.alt for one in scenes) if alt is None else alt
+    return Picture(Scene((replace(scenes[0].panels[0], layers=layers),), alt=words), static=static)
 
 
 def side_by_side(

@@ -108,7 +108,8 @@ def good_camera(points: FloatArray, normals: FloatArray | None = None) -> Camera
         Vector areas of the faces; a flat or shallow surface is shown from its outer side.
     """
     centred = points - points.mean(axis=0) if len(points) else np.zeros((1, 3))
-    _, spread, directions = np.linalg.svd(centred[:: max(1, len(centred) // 2000)], full_matrices=True)
+    sample = centred[:: max(1, len(centred) // 2000)]
+    _, spread, directions = np.linalg.svd(sample, full_matrices=len(sample) < 3)
     spread = np.append(spread, np.zeros(3))[:3]
     normal = directions[2]
     outwards = np.zeros(3) if normals is None else normals.sum(axis=0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from reprlib import repr as short
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,18 @@ from gpcourse.view.colours import as_colour, as_colour_map
 
 def as_vector(value: object, name: str, *, allow_zero: bool = False) -> tuple[float, float, float]:
     """Return three finite floats, not all zero unless `allow_zero`; ArrayError otherwise."""
-    x, y, z = as_points([value], name)[0].tolist()
-    if not allow_zero and x == y == z == 0:
+    try:
+        given = np.asarray(value)
+    except ValueError:
+        given = np.zeros(0)
+    if given.shape != (3,) or given.dtype.kind not in "fiub" or not np.isfinite(given).all():
+        raise ArrayError(f"{name} is {short(value)}; give three finite numbers")
+    x, y, z = given.astype(np.float64).tolist()
+    largest = max(abs(x), abs(y), abs(z))
+    if not allow_zero and largest == 0:
         raise ArrayError(f"{name} is zero; it needs a length")
+    if not allow_zero and not 1e-100 < largest < 1e100:  # of a direction no more than that counts
+        return (x / largest, y / largest, z / largest)
     return (x, y, z)
 
 
@@ -46,7 +56,7 @@ def as_values(value: object, count: int) -> FloatArray:
     try:
         numbers = np.asarray(value)
         values = numbers.astype(np.float64) if numbers.dtype.kind != "c" else None
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArrayError("values cannot be read as numbers; give one number per vertex or face") from None
     if values is None:
         raise ArrayError("values holds complex numbers; give their real part, or their absolute value")
@@ -60,10 +70,14 @@ def as_limits(value: object) -> tuple[float, float]:
     try:
         low, high = (float(x) for x in value)  # type: ignore[attr-defined]
     except (TypeError, ValueError):
-        raise ArrayError(f"limits is {value!r}; give (low, high)") from None
-    if not (np.isfinite(low) and np.isfinite(high) and low < high):
+        raise ArrayError(f"limits is {short(value)}; give (low, high)") from None
+    if not (-1e300 <= low < high <= 1e300):
         raise ArrayError(f"limits is ({low}, {high}); give finite numbers with low < high")
     return low, high
+
+
+def as_text(value: object) -> str:
+    return "" if value is None else str(value)
 
 
 def as_texts(value: object, count: int) -> tuple[str, ...]:
@@ -73,15 +87,38 @@ def as_texts(value: object, count: int) -> tuple[str, ...]:
     return texts
 
 
+def as_hex(value: Any, name: str) -> list[str]:
+    """Return the rows of an (n, 3) array of red, green and blue, 0 to 1, as ``#rrggbb``."""
+    if value.dtype.kind not in "fiub" or value.shape[1] != 3:
+        raise ArrayError(
+            f"{name} is an array of shape {value.shape} and type {value.dtype}; "
+            "give names, or rows of red, green, blue from 0 to 1"
+        )
+    outside = np.flatnonzero(~((value >= 0) & (value <= 1)).all(axis=1))
+    if len(outside):
+        i = int(outside[0])
+        raise ArrayError(f"{name}[{i}] is {value[i]}; give red, green, blue from 0 to 1 each")
+    return ["#" + "".join(f"{c:02x}" for c in row) for row in np.rint(255 * value).astype(int).tolist()]
+
+
 def as_colours(value: object, count: int, name: str) -> tuple[str, ...]:
+    """Return `count` colours, from their names or an (n, 3) array; one stands for all."""
+    many: list[object]
     many = [value] if isinstance(value, str) or not isinstance(value, Iterable) else list(value)
+    if many and not any(isinstance(colour, str) for colour in many):
+        try:
+            rows = np.asarray(many)
+        except ValueError:
+            rows = np.zeros(0)
+        many = [*as_hex(rows, name)] if rows.ndim == 2 else many
     if len(many) not in (1, count):
         raise ArrayError(f"{name} has {len(many)} entries; give one, or {count}")
-    seen: dict[object, str] = {}
+    seen: dict[str, str] = {}
     for i, colour in enumerate(many):
-        if colour not in seen:
-            seen[colour] = as_colour(colour, f"{name}[{i}]")
-    return tuple(seen[colour] for colour in many) * (count if len(many) == 1 else 1)
+        if not isinstance(colour, str) or colour not in seen:
+            hexadecimal = as_colour(colour, f"{name}[{i}]")  # refuses what is not a string
+            seen[str(colour)] = hexadecimal
+    return tuple(seen[str(colour)] for colour in many) * (count if len(many) == 1 else 1)
 
 
 def check_same_length(rows: FloatArray, name: str, count: int, other: str) -> None:
@@ -92,7 +129,7 @@ def check_same_length(rows: FloatArray, name: str, count: int, other: str) -> No
 def as_positive(value: object, name: str) -> float:
     if isinstance(value, (int, float, np.number)) and np.isfinite(value) and value > 0:
         return float(value)
-    raise ArrayError(f"{name} is {value!r}; it must be a positive number")
+    raise ArrayError(f"{name} is {short(value)}; it must be a positive number")
 
 
 def check_hidden(value: object) -> None:
@@ -104,4 +141,4 @@ def as_index(value: object, count: int, name: str) -> int:
     """Return an index below `count`; ArrayError otherwise."""
     if isinstance(value, (int, np.integer)) and not isinstance(value, bool) and 0 <= value < count:
         return int(value)
-    raise ArrayError(f"{name} is {value!r}; it must be an index from 0 to {count - 1}")
+    raise ArrayError(f"{name} is {short(value)}; it must be an index from 0 to {count - 1}")

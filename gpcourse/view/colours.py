@@ -7,6 +7,7 @@ a wrong name is refused where the scene is made and not where it is shown.
 from __future__ import annotations
 
 import re
+from reprlib import repr as short
 
 from gpcourse.errors import ArrayError
 
@@ -56,7 +57,7 @@ def as_colour(value: object, name: str = "colour") -> str:
         text = PALETTE.get(value.strip().lower(), value.strip().lower())
         if _HEX.fullmatch(text):
             return text
-    raise ArrayError(f"{name} is {value!r}; give '#rrggbb' or one of {', '.join(PALETTE)}")
+    raise ArrayError(f"{name} is {short(value)}; give '#rrggbb' or one of {', '.join(PALETTE)}")
 
 
 def as_colour_map(value: object, name: str = "colour_map") -> str:
@@ -70,4 +71,4 @@ def as_colour_map(value: object, name: str = "colour_map") -> str:
     known = SEQUENTIAL_MAPS + DIVERGING_MAPS
     if isinstance(value, str) and value in known:
         return value
-    raise ArrayError(f"{name} is {value!r}; choose one of {', '.join(known)}")
+    raise ArrayError(f"{name} is {short(value)}; choose one of {', '.join(known)}")

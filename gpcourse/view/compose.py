@@ -10,9 +10,9 @@ import numpy as np
 from gpcourse.errors import ArrayError
 from gpcourse.geometry.arrays import FloatArray, flatten_polygons
 from gpcourse.view.camera import FEW, area_vectors, facing, good_camera, is_flat, telling_camera
-from gpcourse.view.checks import as_vector
+from gpcourse.view.checks import as_positive, as_vector
 from gpcourse.view.colours import FRONT, INK
-from gpcourse.view.scene import Camera, Curves, Labels, Layer, Mesh, Panel, Points, Scene
+from gpcourse.view.scene import Arrows, Camera, Curves, Labels, Layer, Mesh, Panel, Points, Scene
 from gpcourse.view.subject import as_subject, lifted
 
 
@@ -26,7 +26,8 @@ def mesh_scene(
     smooth: bool = False,
     edges: bool | None = None,
     colour: str = FRONT,
-    face_colours: Sequence[str] | None = None,
+    face_colours: object = None,
+    vertex_colours: object = None,
     values_on: str | None = None,
     colour_map: str | None = None,
     limits: tuple[float, float] | None = None,
@@ -44,6 +45,8 @@ def mesh_scene(
         Number the vertices or the faces.
     direction : 3 floats, optional
         From the mesh towards the viewer.
+    face_colours, vertex_colours : names, or (k, 3) float array of red, green, blue from 0 to 1
+        One for each face, or for each vertex and blended between them.
     smooth, edges : bool
         Shade with vertex normals; draw edges (by default on up to 3000 faces that are not smooth).
     alt : str, optional
@@ -67,8 +70,9 @@ def mesh_scene(
         vertices,
         faces,
         colour=colour,
-        face_colours=None if face_colours is None else tuple(face_colours),
-        values=None if values is None else values,  # type: ignore[arg-type]  # converted in __post_init__
+        face_colours=face_colours,  # type: ignore[arg-type]  # converted in __post_init__, as are the next two
+        vertex_colours=vertex_colours,  # type: ignore[arg-type]
+        values=values,  # type: ignore[arg-type]
         values_on=values_on or "vertices",
         colour_map=colour_map,
         limits=limits,
@@ -115,7 +119,7 @@ def points_scene(
 def curves_scene(
     lines: object,
     *,
-    colours: Sequence[str] = ("blue",),
+    colours: object = ("blue",),
     closed: bool = False,
     on: object = None,
     width: float = 1.6,
@@ -126,18 +130,65 @@ def curves_scene(
     """Show curves, each a (k, 3) or (k, 2) array, alone or `on` a mesh."""
     many = lines if isinstance(lines, (list, tuple)) and not _is_one_curve(lines) else [lines]
     curves = tuple(lifted(line, f"lines[{i}]") for i, line in enumerate(many))
-    layers: list[Layer] = []
-    points, normals = np.concatenate(curves) if curves else np.zeros((1, 3)), None
-    words = "A curve" if len(curves) == 1 else f"{len(curves)} curves"
-    if on is not None:
-        vertices, faces = as_subject(on)
-        corners, sizes = flatten_polygons(faces, len(vertices))
-        layers.append(Mesh(vertices, faces, edges=len(sizes) <= 3000))
-        points, normals = vertices, area_vectors(vertices, corners, sizes)
-        words += f" on {described(len(vertices), sizes).lower()}"
-    layers.append(Curves(curves, tuple(colours), width=width, closed=closed))
+    points = np.concatenate(curves) if curves else np.zeros((1, 3))
+    layers, points, normals, where = _ground(on, points)
+    words = ("A curve" if len(curves) == 1 else f"{len(curves)} curves") + where
+    layers.append(Curves(curves, colours, width=width, closed=closed))  # type: ignore[arg-type]  # as above
     panel = Panel(tuple(layers), title, camera_for(points, normals, direction))
     return Scene((panel,), alt=_alt(alt, title, f"{words}."))
+
+
+def vectors_scene(
+    at: object,
+    vectors: object,
+    *,
+    on: object = None,
+    colour: str = "blue",
+    scale: float | None = None,
+    title: str = "",
+    direction: object = None,
+    alt: str | None = None,
+) -> Scene:
+    """Show arrows: (k, 3) or (k, 2) `vectors` that begin `at` as many points, alone or `on` a mesh.
+
+    The arrows are `scale` times as long as the vectors; by default the longest is an eighth of the scene.
+
+    Raises
+    ------
+    ArrayError
+        If there are not as many vectors as points; the message gives both numbers.
+    """
+    tails, arrows = lifted(at, "at"), lifted(vectors, "vectors")
+    if scale is not None:
+        scale = as_positive(scale, "scale")
+    if len(tails) != len(arrows):
+        raise ArrayError(f"there are {len(arrows)} vectors for {len(tails)} points; give one for each")
+    layers, points, normals, where = _ground(on, tails)
+    length = np.linalg.norm(arrows, axis=1)
+    longest = float(length.max(initial=0.0))
+    if scale is None:
+        size = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
+        scale = 0.125 * (size or 8 * longest or 1.0) / (longest or 1.0)
+    if scale * longest > 1e50:
+        raise ArrayError(
+            f"scale is {scale:.3g}, and arrows get {scale * longest:.3g} long; give a smaller one"
+        )
+    drawn = length > 0
+    layers.append(Arrows(tails[drawn], (tails + scale * arrows)[drawn], (colour,), width=1.2))
+    words = f"{_count(len(arrows), 'arrow')}{where}; the longest stands for {longest:.3g}."
+    panel = Panel(tuple(layers), title, camera_for(points, normals, direction))
+    return Scene((panel,), alt=_alt(alt, title, words))
+
+
+def _ground(on: object, points: FloatArray) -> tuple[list[Layer], FloatArray, FloatArray | None, str]:
+    """Return the surface that something is drawn on, what decides the camera, and words for it."""
+    if on is None:
+        return [], points, None, ""
+    vertices, faces = as_subject(on)
+    corners, sizes = flatten_polygons(faces, len(vertices))
+    surface = Mesh(vertices, faces, edges=len(sizes) <= 3000)
+    words = f" on {described(len(vertices), sizes).lower()}"
+    return [surface], vertices, area_vectors(vertices, corners, sizes), words
 
 
 def camera_for(points: FloatArray, normals: FloatArray | None, direction: object) -> Camera:
@@ -214,7 +265,7 @@ def _coloured(layer: Mesh | Points) -> str:
 def _alt(alt: str | None, title: str, words: str) -> str:
     if alt is not None:
         return str(alt)
-    return f"{title.rstrip('.:')}: {words}" if title else words
+    return f"{str(title).rstrip('.:')}: {words}" if title else words
 
 
 def _length(values: object) -> int:
@@ -222,4 +273,7 @@ def _length(values: object) -> int:
 
 
 def _is_one_curve(lines: Any) -> bool:
-    return len(lines) > 0 and np.ndim(lines[0]) == 1
+    try:
+        return len(lines) > 0 and np.ndim(lines[0]) == 1
+    except ValueError:
+        return False

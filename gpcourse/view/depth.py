@@ -8,13 +8,12 @@ import numpy as np
 
 from gpcourse.geometry.arrays import BoolArray, FloatArray, IntArray
 
-#: Up to so many polygons the order is worked out pair by pair; beyond, polygons are small and
-#: the mean height of their corners decides.
+#: The order of polygons is worked out pair by pair, so for so many at most.
 PAIRWISE_LIMIT = 400
 
 
 def painting_order(page: FloatArray, height: FloatArray, corners: IntArray, sizes: IntArray) -> IntArray:
-    """Order polygons from the farthest to the nearest.
+    """Order a few polygons from the farthest to the nearest.
 
     Parameters
     ----------
@@ -29,8 +28,8 @@ def painting_order(page: FloatArray, height: FloatArray, corners: IntArray, size
     """
     starts = np.cumsum(sizes) - sizes
     mean = np.add.reduceat(height[corners], starts) / sizes if len(sizes) else np.empty(0)
-    if len(sizes) > PAIRWISE_LIMIT or len(sizes) < 2:
-        return np.argsort(mean, kind="stable")
+    if len(sizes) < 2:
+        return np.arange(len(sizes))
     # Pad every polygon to the same number of corners by repeating its last one.
     column = np.minimum(np.arange(int(sizes.max())), sizes[:, None] - 1)
     padded = corners[starts[:, None] + column]

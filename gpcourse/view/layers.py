@@ -11,6 +11,7 @@ from gpcourse.view.checks import (
     as_colours,
     as_positions,
     as_positive,
+    as_text,
     as_texts,
     check_hidden,
     check_same_length,
@@ -22,7 +23,7 @@ from gpcourse.view.colours import FRONT, INK, as_colour
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """A surface of polygons, in one colour, a colour per face, or coloured by values.
+    """A surface of polygons, in one colour, a colour per face or vertex, or coloured by values.
 
     Attributes
     ----------
@@ -31,7 +32,8 @@ class Mesh:
         Corners counter-clockwise seen from outside; the other side is drawn in another colour.
     colour : str
         Of the outer side, where there are no values.
-    face_colours : m strings or None
+    face_colours, vertex_colours : m or n strings or None
+        At most one of them; the colours of vertices are blended over the faces.
     values : (n,) or (m,) float array or None
         Shown in colour; NaN and infinity are shown in grey.
     values_on : "vertices" or "faces"
@@ -56,6 +58,7 @@ class Mesh:
     edges: bool = True
     hidden_edges: bool = False
     smooth: bool = False
+    vertex_colours: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         vertices = as_positions(self.vertices, "vertices")
@@ -63,9 +66,16 @@ class Mesh:
         if self.values_on not in ("vertices", "faces"):
             raise ArrayError(f"values_on is {self.values_on!r}; it must be 'vertices' or 'faces'")
         count = len(vertices) if self.values_on == "vertices" else len(sizes)
-        set_fields(self, vertices=vertices, colour=as_colour(self.colour))
+        set_fields(
+            self, vertices=vertices, colour=as_colour(self.colour), value_name=as_text(self.value_name)
+        )
         if self.face_colours is not None:
             set_fields(self, face_colours=as_colours(self.face_colours, len(sizes), "face_colours"))
+        if self.vertex_colours is not None:
+            if self.face_colours is not None:
+                raise ArrayError("there are face_colours and vertex_colours; give one of them")
+            colours = as_colours(self.vertex_colours, len(vertices), "vertex_colours")
+            set_fields(self, vertex_colours=colours)
         set_values(self, count)
 
     @property
@@ -150,7 +160,7 @@ class Points:
     def __post_init__(self) -> None:
         positions = as_positions(self.positions, "positions")
         set_fields(self, positions=positions, colours=as_colours(self.colours, len(positions), "colours"))
-        set_fields(self, size=as_positive(self.size, "size"))
+        set_fields(self, size=as_positive(self.size, "size"), value_name=as_text(self.value_name))
         set_values(self, len(positions))
         check_hidden(self.hidden)
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from reprlib import repr as short
 
 import numpy as np
 
+from gpcourse.errors import ArrayError
 from gpcourse.geometry.arrays import BoolArray, FloatArray, IntArray, flatten_polygons
 from gpcourse.view.camera import area_vectors, is_flat
 from gpcourse.view.checks import as_index
@@ -52,7 +54,11 @@ def neighbours_scene(
     """
     vertices, faces = as_subject(subject)
     v = as_index(vertex, len(vertices), "vertex")
-    around = [as_index(w, len(vertices), f"order[{i}]") for i, w in enumerate(order)]
+    try:
+        named = list(order)
+    except TypeError:
+        raise ArrayError(f"order is {short(order)}; give a list of vertices") from None
+    around = [as_index(w, len(vertices), f"order[{i}]") for i, w in enumerate(named)]
     corners, sizes = flatten_polygons(faces, len(vertices))
     ring, near = _ring(corners, sizes, v)
     areas = area_vectors(vertices, corners, sizes)
@@ -63,8 +69,8 @@ def neighbours_scene(
     missing = sorted(ring - set(around))
     if missing:
         layers.append(Points(vertices[missing], (PALETTE["orange"],), size=9.0, hidden="show"))
-    named = sorted({v} | ring | set(around))
-    layers += vertex_labels(vertices[named], named)
+    numbered = sorted({v} | ring | set(around))
+    layers += vertex_labels(vertices[numbered], numbered)
     layers.append(Points(vertices[[v]], (HIGHLIGHT,), size=8.0))
     words = _order_described(v, around, ring, missing) if alt is None else alt
     text = f"{title.rstrip('.:')}: {words}" if title and alt is None else words

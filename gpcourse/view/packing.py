@@ -17,7 +17,7 @@ import numpy as np
 from gpcourse.geometry.arrays import FloatArray, IntArray
 from gpcourse.view.camera import extent, positions, view_axes
 from gpcourse.view.scene import Arrows, ColourScale, Curves, Labels, Layer, Mesh, Panel, Points, Scene
-from gpcourse.view.shading import value_colours
+from gpcourse.view.shading import many_rgb, value_colours
 
 #: The code of a value that is not finite.
 MISSING = 65535
@@ -179,6 +179,8 @@ def _mesh(mesh: Mesh, vertices: dict[str, Any], block: Block) -> dict[str, Any]:
     elif mesh.face_colours is not None:
         names = sorted(set(mesh.face_colours))
         found |= {"palette": names, "painted": block.add([names.index(c) for c in mesh.face_colours], "u2")}
+    elif mesh.vertex_colours is not None:
+        found["blended"] = block.add(np.rint(255 * many_rgb(mesh.vertex_colours)), "u1")
     return found
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gpcourse.geometry.arrays import FloatArray
+from gpcourse.view.raster import shaded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -16,14 +17,13 @@ if TYPE_CHECKING:
 class Page:
     """A figure on which everything is placed in points from its lower left corner.
 
-    With `rastered`, blended triangles become pixels where all else is lines and outlines.
+    Blended triangles become pixels, as many as the figure has; all else is lines and outlines.
     """
 
-    def __init__(self, figure: Figure, *, rastered: bool = False) -> None:
+    def __init__(self, figure: Figure) -> None:
         from matplotlib.transforms import Affine2D
 
         self._figure = figure
-        self._rastered = rastered
         self._transform = Affine2D().scale(1 / 72) + figure.dpi_scale_trans
         self._count = 0
         self._clip: Any = None
@@ -65,17 +65,23 @@ class Page:
                 else LineCollection(lines, colors=colours, linewidths=line, linestyles=[style])
             )
 
-    def triangles(self, outlines: FloatArray, colours: FloatArray) -> None:
-        """Fill (t, 3, 2) triangles, blending the (t, 3, 3) colours of their corners."""
-        from matplotlib.collections import TriMesh
-        from matplotlib.tri import Triangulation
+    def triangles(self, outlines: FloatArray, heights: FloatArray, colours: FloatArray) -> None:
+        """Fill (t, 3, 2) triangles with (t, 3) heights, blending the (t, 3, 3) colours of their corners."""
+        from matplotlib.image import BboxImage
+        from matplotlib.transforms import Bbox, TransformedBbox
 
-        if len(outlines):
-            flat = outlines.reshape(-1, 2)
-            blend = TriMesh(Triangulation(flat[:, 0], flat[:, 1], np.arange(len(flat)).reshape(-1, 3)))
-            blend.set_facecolor(np.column_stack([colours.reshape(-1, 3), np.ones(len(flat))]))  # type: ignore[arg-type]
-            blend.set_rasterized(self._rastered)
-            self.add(blend)
+        if not len(outlines):
+            return
+        unit = 72 / self._figure.dpi  # points per pixel
+        edge = np.array([self._figure.bbox.width, self._figure.bbox.height])
+        low = np.clip(np.floor(outlines.min(axis=(0, 1)) / unit), 0, edge)
+        high = np.clip(np.ceil(outlines.max(axis=(0, 1)) / unit), low + 1, edge + 1)
+        width, height = (high - low).astype(int).tolist()
+        pixels = shaded(outlines / unit - low, heights, colours, width, height)
+        place = Bbox.from_extents(*(unit * low), *(unit * high))
+        image = BboxImage(TransformedBbox(place, self._transform), origin="lower", interpolation="nearest")
+        image.set_data(pixels)
+        self.add(image, placed_already=True)
 
     def dots(self, centres: FloatArray, sizes: Any, colours: Any, edge: Any, line: float = 0.6) -> None:
         """Draw discs of so many points across."""

@@ -1,4 +1,8 @@
-"""Paint the layers of a panel, from the back to the front, onto a page measured in points."""
+"""Paint the layers of a panel onto a page measured in points.
+
+The polygons of a single mesh with one colour a face, if they are few, are painted from the back to the
+front and stay outlines in a PDF. All else becomes pixels, each of them of what is nearest there.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +13,13 @@ import numpy as np
 
 from gpcourse.geometry.arrays import BoolArray, FloatArray, IntArray
 from gpcourse.view.camera import Projection, area_vectors
-from gpcourse.view.depth import hidden, painting_order, triangle_fans
+from gpcourse.view.depth import PAIRWISE_LIMIT, hidden, painting_order, triangle_fans
 from gpcourse.view.lettering import AROUND, MIDDLE, Occupied, placed, width
 from gpcourse.view.page import Page
 from gpcourse.view.scene import Arrows, ColourScale, Curves, Labels, Layer, Mesh, Points
 from gpcourse.view.shading import corner_colours, many_rgb, point_colours
 
-#: Above this many triangles polygons are painted as one block of shaded triangles.
+#: Above this many edges their hidden parts are found with fewer samples.
 MANY = 3000
 #: Above this many labels those without room are left out.
 CROWD = 60
@@ -67,7 +71,7 @@ class Painter:
         self.colours = np.concatenate([np.empty((0, 3)), *colours])
         self.mesh_of = np.repeat(np.arange(len(meshes)), [len(count) for count in sizes])
         self.flat, self.height = self.projection(self.vertices)
-        fans, self.polygon_of = triangle_fans(self.corners, self.sizes)
+        fans, _ = triangle_fans(self.corners, self.sizes)
         self.fans = fans
         self.cover = self.flat[self.corners[fans]]
         self.levels = self.height[self.corners[fans]]
@@ -82,17 +86,21 @@ class Painter:
     def _meshes(self, meshes: tuple[Mesh, ...]) -> None:
         if not len(self.sizes):
             return
-        order = painting_order(self.flat, self.height, self.corners, self.sizes)
-        blended = len(self.fans) > MANY or any(
-            mesh.smooth or (mesh.values is not None and mesh.values_on == "vertices") for mesh in meshes
+        blended = (
+            len(self.sizes) > PAIRWISE_LIMIT
+            or len(meshes) > 1  # they may cut each other
+            or any(
+                mesh.smooth
+                or mesh.vertex_colours
+                or (mesh.values is not None and mesh.values_on == "vertices")
+                for mesh in meshes
+            )
         )
         if blended:
-            rank = np.empty(len(order), dtype=np.int64)
-            rank[order] = np.arange(len(order))
-            fans = self.fans[np.argsort(rank[self.polygon_of], kind="stable")]
-            self.page.triangles(self.flat[self.corners[fans]], self.colours[fans])
+            self.page.triangles(self.cover, self.levels, self.colours[self.fans])
             self._outlines(meshes)
         else:
+            order = painting_order(self.flat, self.height, self.corners, self.sizes)
             self._flat_polygons(order, np.array([mesh.edges for mesh in meshes])[self.mesh_of])
         self._hidden_edges(meshes)
 
@@ -250,7 +258,7 @@ class Painter:
             self.taken.add(place, half)
             paths.append(placed(layer.labels[i], place, size, bold=layer.width > 1.5))
             colour = many_rgb((layer.colours[i],))[0]
-            colours.append(_faded(colour) if behind[i] else (*(0.85 * colour), 1.0))
+            colours.append(_faded(colour, 0.75) if behind[i] else (*(0.85 * colour), 1.0))
         self.page.texts(paths, colours, halo=1.6)
 
     def _sides(self, layer: Arrows, along: FloatArray) -> FloatArray:
@@ -295,7 +303,7 @@ class Painter:
                     1.0,
                 )
             paths.append(placed(layer.texts[i], spot, size, bold=bold))
-            colours.append(_faded(colour) if behind[i] else (*colour, 1.0))
+            colours.append(_faded(colour, 0.75) if behind[i] else (*colour, 1.0))
         self.page.texts(paths, colours, halo=0.0 if layer.place == "badge" else 1.8)
 
     def _label_place(
@@ -346,5 +354,5 @@ def _arrow_head(tip: FloatArray, along: FloatArray, barb: float) -> FloatArray:
     return np.array([tip, back + 0.38 * barb * left, back + 0.22 * barb * along, back - 0.38 * barb * left])
 
 
-def _faded(colour: FloatArray) -> tuple[float, ...]:
-    return (*(0.75 * colour + 0.12), 0.45)
+def _faded(colour: FloatArray, share: float = 0.45) -> tuple[float, ...]:
+    return (*(0.75 * colour + 0.12), share)

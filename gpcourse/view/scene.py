@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from gpcourse.errors import ArrayError
-from gpcourse.view.checks import as_positive, as_vector, set_fields
+from gpcourse.view.checks import as_positive, as_text, as_vector, set_fields
 from gpcourse.view.colours import DIVERGING_MAPS
 from gpcourse.view.layers import Arrows, Curves, Labels, Layer, Mesh, Points
 
@@ -77,7 +77,7 @@ class Panel:
     camera: Camera = Camera()
 
     def __post_init__(self) -> None:
-        set_fields(self, layers=tuple(self.layers), title=str(self.title))
+        set_fields(self, layers=tuple(self.layers), title=as_text(self.title))
         if not isinstance(self.camera, Camera):
             raise ArrayError(f"camera is a {type(self.camera).__name__}; give a Camera")
         for i, layer in enumerate(self.layers):

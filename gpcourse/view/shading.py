@@ -73,6 +73,8 @@ def _base(mesh: Mesh, corners: IntArray, face: IntArray, scale: ColourScale | No
         return value_colours(mesh.values, scale)[at]
     if mesh.face_colours is not None:
         return many_rgb(mesh.face_colours)[face]
+    if mesh.vertex_colours is not None:
+        return many_rgb(mesh.vertex_colours)[corners]
     return np.broadcast_to(rgb(mesh.colour), (len(corners), 3))
 
 

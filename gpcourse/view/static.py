@@ -84,18 +84,18 @@ def render_pdf(scene: Scene) -> bytes:
 
     file = BytesIO()
     with rc_context(_OWN_SETTINGS):
-        figure = _figure(scene, 300, rastered=True)
+        figure = _figure(scene, 300)
         figure.savefig(file, format="pdf", dpi=300, metadata={"CreationDate": None})
     return file.getvalue()
 
 
-def _figure(scene: Scene, dpi: int, *, rastered: bool = False) -> Figure:
+def _figure(scene: Scene, dpi: int) -> Figure:
     from matplotlib.figure import Figure
 
     scales = scene.scales()
     cells, (wide, high) = _layout(scene, scales)
     figure = Figure((wide / 72, high / 72), dpi=dpi, facecolor="white", edgecolor="white")
-    page = Page(figure, rastered=rastered)
+    page = Page(figure)
     for panel, cell, scale in zip(scene.panels, cells, scales, strict=True):
         projection = _projection(panel, cell)
         room = MARGIN - 2

@@ -1,11 +1,17 @@
-"""Pictures in the pages that are made of notebooks: no kernel, no network."""
+"""Pages that are read in a browser: those that nbconvert makes of notebooks, and those of the grade book."""
 
 import nbformat
 import numpy as np
 import pytest
 
 from gpcourse import view
+from gpcourse.exercises import expect
+from gpcourse.exercises.course import CHAPTERS
+from gpcourse.exercises.exercise import Exercise
+from gpcourse.exercises.judging import ask_here, judge
 from gpcourse.geometry import shapes
+from gpcourse.grading import gradebook, reports
+from gpcourse.grading.judge import Judged, Report
 
 pytestmark = [pytest.mark.browser, pytest.mark.xdist_group("browser")]
 
@@ -26,3 +32,64 @@ def test_a_picture_is_drawn_in_the_html_of_nbconvert(browser, tmp_path):
     frame.locator("canvas").first.hover()
     assert frame.get_by_role("status").text_content().startswith("vertex ")
     context.close()
+
+
+HOSTILE = (
+    "<script>document.title='ran'; alert(1)</script><img src=x onerror=\"document.title='ran'; alert(1)\">"
+    "<svg onload=alert(1)><iframe srcdoc='<script>alert(1)</script>'></iframe><style>*{display:none}</style>"
+    "<a href=\"javascript:alert(1)\">me</a><meta http-equiv=refresh content='0;url=http://127.0.0.1:9/'>"
+    "\" onmouseover=alert(1) x=' ]]> {{ 7 * 7 }} {% raw %} \x1b[31m\x1b]8;;http://127.0.0.1:9/\x07 "
+    "=cmd()|' /C calc'!A0"
+)
+
+
+def hostile_class(tmp_path):
+    """Write both pages for a student whose name, answers, exceptions and notes are hostile."""
+
+    def named(x):
+        return HOSTILE
+
+    named.__doc__ = HOSTILE
+    exercise = Exercise(named, notes="", hints=())
+
+    @exercise.check("<b>ours</b>")
+    def _(f, rng):
+        raise expect.Wrong(HOSTILE, yours=str(f(HOSTILE)), on=HOSTILE)
+
+    @exercise.mistake("<b>ours</b>", hint="<b>ours</b>")
+    def _(x):
+        raise ValueError
+
+    def raising(x):
+        raise RuntimeError(HOSTILE)
+
+    judged = tuple(Judged(judge(exercise, ask_here(f), 0), (HOSTILE,), True) for f in (named, raising))
+    one = Report(HOSTILE, "grader fault", judged, (HOSTILE,), fault=HOSTILE)
+    names = gradebook.file_names([HOSTILE])
+    student = tmp_path / "students" / f"{names[HOSTILE]}.html"
+    gradebook.write(student, reports.student_page(one, CHAPTERS[:1], 0))
+    gradebook.write(
+        tmp_path / "index.html", reports.class_page([one], CHAPTERS[:1], [exercise, exercise], 0, names)
+    )
+    return tmp_path / "index.html", student
+
+
+def test_nothing_that_a_student_wrote_runs_in_the_grade_book(browser, tmp_path):
+    for path in hostile_class(tmp_path):
+        context = browser.new_context(viewport={"width": 900, "height": 900})
+        page, events = context.new_page(), []
+        page.on("dialog", lambda dialog, events=events: (events.append(dialog.message), dialog.dismiss()))
+        page.on("request", lambda request, events=events: events.append(request.url))
+        page.goto(path.as_uri(), wait_until="load")
+        page.evaluate("document.querySelectorAll('details').forEach(d => d.open = true)")
+        for element in page.locator("a, td, summary").all()[:40]:
+            element.hover()
+        page.wait_for_timeout(100)
+        assert events == [path.as_uri()]
+        assert "<script>" in page.locator("body").inner_text()
+        assert page.locator("script, img, iframe, body style, meta[http-equiv]").count() == 0
+        assert page.evaluate("getComputedStyle(document.querySelector('h1')).display") == "block"
+        links = page.eval_on_selector_all("a", "all => all.map(a => a.protocol)")
+        assert set(links) <= {"file:"}
+        assert "\x1b" not in page.content()
+        context.close()

@@ -147,13 +147,26 @@ def test_every_kind_of_layer_is_drawn(opened):
     assert all(covered(part) > 0.005 for part in np.array_split(pixels(page), 4, axis=1))
 
 
+def test_colours_of_vertices_are_blended_and_pictures_laid_over_each_other(opened):
+    red_to_blue = [[1, 0, 0], [0, 0, 1], [0, 0, 1], [1, 0, 0]]
+    square = view.mesh(SQUARE, vertex_colours=red_to_blue, edges=False, direction=(0, 0, 1))
+    arrow = view.vectors([[0.3, 0.5, 0]], [[0.4, 0, 0]], colour="#00ff00", scale=1)
+    page, _ = opened(view.together(square, arrow))
+    seen = pixels(page)
+    row = seen[len(seen) // 4]
+    left, *_, right = row[(row < 240).any(axis=1)][10:-10]
+    assert left[0] > 3 * left[2]
+    assert right[2] > 3 * right[0]
+    assert (np.abs(seen - [0, 255, 0]).max(axis=2) < 60).sum() > 100
+
+
 def test_it_is_dark_where_the_page_around_is_dark(opened):
     cube = view.mesh(shapes.cube())
-    page, _ = opened(cube, style="<style>body { background: #222 } body.day { background: #eee }</style>")
-    page.wait_for_timeout(200)
+    page, frame = opened(cube, style="<style>body { background: #222 } body.day { background: #eee }</style>")
+    frame.wait_for_selector("html.dark")
     assert pixels(page)[40, 2].max() < 60
     page.evaluate("document.body.className = 'day'")  # as JupyterLab does when the theme is changed
-    page.wait_for_timeout(800)
+    frame.wait_for_selector("html:not(.dark)")
     assert pixels(page)[40, 2].min() > 240
 
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import sparse
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.expect import Wrong
 from gpcourse.geometry import shapes
 from gpcourse.reference.halfedge import halfedge_mesh
@@ -91,8 +91,19 @@ def test_the_first_number_that_is_not_finite_is_named():
 def test_close_names_the_worst_number():
     with pytest.raises(Wrong) as raised:
         expect.close(np.array([1.0, 2.5, 3.1]), np.array([1.0, 2.0, 3.0]), 0.01, "The lengths")
-    assert raised.value.message == "The lengths: 2 of 3 numbers differ; the worst is at index [1]."
-    assert (raised.value.yours, raised.value.truth) == ("2.5", "2")
+    assert raised.value.told == "The lengths, worst at index [1]: yours 2.5, expected 2; 2 of 3 differ."
+    assert raised.value.message == "The lengths, worst at index [1]: yours 2.5; 2 of 3 differ."
+
+
+def test_close_counts_rows_where_a_row_belongs_to_a_vertex():
+    have, want = np.zeros((2450, 3)), np.zeros((2450, 3))
+    have[70] = [0, -3, 4]
+    have[:231, 0] += 1
+    shown = pictures.Field(np.zeros((2450, 3)), None, "x")
+    with pytest.raises(Wrong) as raised:
+        expect.close(have, want, 0.01, "x", shown=shown)
+    start = "x, worst at vertex 70: yours (1, −3, 4), expected (0, 0, 0)"
+    assert raised.value.told == f"{start}; 231 of 2,450 differ."
 
 
 def test_numbers_that_differ_late_are_shown_with_more_digits():

@@ -5,11 +5,10 @@ import time
 import numpy as np
 import pytest
 
-from gpcourse.exercises.feedback.panel import PICTURE_DPI
+from gpcourse.exercises import pictures
 from gpcourse.exercises.judging import ask_here, judge
-from gpcourse.exercises.smoothing import EXERCISES, inputs, pictures, truths
+from gpcourse.exercises.smoothing import EXERCISES, inputs, truths
 from gpcourse.geometry import shapes
-from gpcourse.view import Picture
 
 SEEDS = range(8)
 MADE = {"closed": inputs.closed, "bounded": inputs.bounded, "apart": inputs.apart, "patch": inputs.patch}
@@ -144,36 +143,13 @@ def test_a_check_takes_less_than_150_ms_of_cpu(exercise):
     assert min(spent) < 0.15
 
 
-@pytest.mark.parametrize("exercise", EXERCISES, ids=lambda e: e.name)
-def test_pictures_of_failures_can_be_made(exercise):
-    drawn = 0
-    for mistake in exercise.mistakes:
-        for result in judge(exercise, ask_here(mistake.function), 1).results:
-            if result.wrong is not None and result.wrong.picture is not None:
-                assert result.wrong.picture().alt
-                assert result.wrong.handout().alt
-                drawn += 1
-    without_pictures = {
-        "uniform_laplacian",
-        "mass_matrix",
-        "discrete_principal_curvatures",
-        "mesh_quality",
-        "eigenmodes",
-        "spectral_coefficients",
-        "stable_step",
-        "dirichlet_energy",
-        "membrane_energy",
-        "thin_plate_energy",
-    }
-    assert (drawn > 0) == (exercise.name not in without_pictures)
-
-
 def test_three_panels_mark_the_vertex_that_is_worst():
     ball = shapes.icosphere(1)
     truth = np.linspace(-1.0, 1.0, len(ball.vertices))
     yours = truth.copy()
     yours[[7, 20]] += 0.1, -0.4
-    scene = pictures.of_values(ball.vertices, ball.faces, yours, truth, "H")()
+    shown = pictures.Field(ball.vertices, ball.faces, "H")
+    scene = shown.scene(yours, truth, (20,), True)
     assert [panel.title for panel in scene.panels] == ["yours", "expected", "difference, worst at vertex 20"]
     scales = scene.scales()
     assert scales[0] == scales[1]
@@ -181,13 +157,5 @@ def test_three_panels_mark_the_vertex_that_is_worst():
     for panel in scene.panels:
         assert panel.layers[-1].positions == pytest.approx(ball.vertices[[20]])
         assert np.dot(panel.camera.direction, ball.vertices[20]) > 0
-    own = pictures.of_own_values(ball.vertices, ball.faces, yours, truth, "H")()
+    own = shown.scene(yours, truth, (20,), False)
     assert [panel.title for panel in own.panels] == ["yours, worst at vertex 20"]
-
-
-def test_three_panels_are_small():
-    ball = shapes.icosphere(2)
-    truth = ball.vertices[:, 2] ** 2
-    yours = truth * np.where(np.random.default_rng(0).random(len(truth)) < 0.1, 0.5, 1.0)
-    scene = pictures.of_values(ball.vertices, ball.faces, yours, truth, "H")()
-    assert len(Picture(scene, dpi=PICTURE_DPI).image()) < 200_000

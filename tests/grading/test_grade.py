@@ -74,6 +74,10 @@ def test_the_table_has_a_row_for_everyone(book):
     statuses = {name: row["status"] for name, row in rows.items() if row["status"] != "graded"}
     assert statuses == {"greta": "not attempted", "lars": "unreadable"}
     assert rows["amara"]["note"] == ""
+    times = csv.DictReader((book.out / "times.csv").read_text("utf-8").splitlines())
+    seconds = {row["student"]: float(row["total"]) for row in times}
+    assert set(seconds) == set(rows)
+    assert 0.0 < seconds["amara"] < seconds["ines"]  # an endless loop
     assert "SyntaxError" in rows["hamid"]["note"]
     assert "boundary_loops: timeout" in rows["ines"]["note"]
     assert "my_cube" in rows["mina"]["note"]
@@ -88,7 +92,10 @@ def test_every_student_has_a_page_and_results(book):
 
 
 def files(folder):
-    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+    """All that is the same each time: everything but the times."""
+    found = {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+    found.pop("times.csv", None)
+    return found
 
 
 def test_the_same_seed_gives_the_same_files_and_another_seed_other_inputs(tmp_path):

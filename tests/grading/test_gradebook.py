@@ -5,13 +5,14 @@ import io
 import json
 import re
 import zlib
+from dataclasses import replace
 from html.parser import HTMLParser
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, feedback
 from gpcourse.exercises.course import Chapter
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Verdict, ask_here, judge
@@ -143,8 +144,9 @@ def test_the_class_page_counts_named_mistakes(exercise):
     students = {"ada": twice, "bo": lambda x: x**2, "cy": lambda x: x * x}
     all_reports = [report(exercise, f, name) for name, f in students.items()]
     page = reports.class_page(all_reports, CHAPTERS, [exercise], 7, {name: name for name in students})
-    row = page[page.rindex("<tr>", 0, page.rindex("it was squared")) : page.rindex("it was squared") + 300]
-    assert '<td class="count num">2</td>' in row
+    table = page[page.index("<h2>Named mistakes") : page.index("<h2>Students")]
+    row = table[table.rindex("<tr>", 0, table.index("it was squared")) :]
+    assert '<td class="many count num">2</td>' in row
     assert "students/bo.html" in row
     assert "students/cy.html" in row
     assert "seed <b>7</b>" in page
@@ -170,6 +172,70 @@ def test_what_a_student_writes_is_text_on_a_page(exercise, name):
         assert not {"script", "img", "iframe", "object"} & set(tags.tags)
         assert not any(attribute.startswith("on") for attribute in tags.attributes)
     assert "<script>alert" in " ".join(Tags(reports.student_page(one, CHAPTERS, 0)).words)
+
+
+def test_no_path_and_no_fault_of_ours_is_handed_out(exercise):
+    message = "[Errno 2] no file '/srv/grade/my class/mesh.off' in /srv/grade/class"
+
+    def asks_for_a_file(x):
+        raise FileNotFoundError(message)
+
+    def broken(arguments, options, limit):
+        raise RuntimeError("ours, in /srv/grade")
+
+    notes = ("cut off; was read from /srv/grade/ada.ipynb",)
+    one = report(exercise, asks_for_a_file, notes=notes)
+    ours = Report("ada", "grader fault", (Judged(judge(exercise, broken, 0)),), fault="OSError: /srv/grade")
+    names = {"ada": "ada"}
+    for each in (one, ours):
+        page = reports.student_page(each, CHAPTERS, 0)
+        for text in (page, gradebook.gradescope(each), junit([each])):
+            assert "/srv" not in text
+            assert "Traceback" not in text
+        assert "/srv" in reports.class_page([each], CHAPTERS, [exercise], 0, names)
+    assert "no file 'mesh.off' in class" in gradebook.gradescope(one)
+    assert "Please report it" not in gradebook.gradescope(ours)
+
+
+@pytest.mark.parametrize(
+    ("text", "left"),
+    [
+        ("no such file: '/tmp/My Files/a.off'", "no such file: 'a.off'"),
+        ("numpy (/usr/lib/numpy/__init__.py), line 3", "numpy (__init__.py), line 3"),
+        (r"C:\Users\ada\f.py, line 3", "f.py, line 3"),
+        (
+            "see https://a.b/c/d, 1/2, a / b / c, data/a.off",
+            "see https://a.b/c/d, 1/2, a / b / c, data/a.off",
+        ),
+    ],
+)
+def test_of_a_path_the_name_of_the_file_is_left(text, left):
+    assert feedback.without_paths(text) == left
+
+
+def test_who_needs_a_person_comes_first(exercise):
+    near = Judged(Verdict(exercise, "not attempted"), ("is my_twice meant to be twice?",), missing=True)
+    everybody = [
+        report(exercise, twice),
+        report(exercise, twice, "bo", notes=("cell 3: SyntaxError",)),
+        Report("cy", "graded", (near,)),
+        Report("di", "unreadable", (near,), ("not JSON",)),
+        Report("ed", "grader fault", (Judged(Verdict(exercise, "grader fault")),), fault="OSError: 28"),
+    ]
+    names = {one.student: one.student for one in everybody}
+    page = reports.class_page(everybody, CHAPTERS, [exercise], 7, names)
+    section = page[page.index('id="person"') : page.index("<h2>Exercises")]
+    first, _, others = section.partition("Notes on 1 other")
+    assert re.findall(r"students/(\w+)\.html", first) == ["cy", "di", "ed"]
+    assert re.findall(r"students/(\w+)\.html", others) == ["bo"]
+    assert 'id="person"' not in reports.class_page(everybody[:1], CHAPTERS, [exercise], 7, names)
+
+
+def test_the_times_are_those_of_the_answers(exercise):
+    one = report(exercise, twice)
+    timed = Report("=ada", "graded", (replace(one.judged[0], seconds=1.25),))
+    rows = list(csv.reader(io.StringIO(gradebook.times_csv([timed], [exercise]))))
+    assert rows == [["student", "twice", "total"], ["'=ada", "1.250", "1.250"]]
 
 
 def test_pages_load_nothing_from_elsewhere(exercise):

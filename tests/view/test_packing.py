@@ -67,6 +67,27 @@ def test_values_come_back_and_what_is_not_finite_is_known(values):
     assert np.abs(back - values)[known].max(initial=0) <= (high - low) / MISSING * 0.51
 
 
+@settings(deadline=None, max_examples=30)
+@given(arrays.arrays(np.uint8, st.tuples(st.integers(3, 40), st.just(3))))
+def test_colours_of_vertices_come_back_exactly(colours):
+    vertices = np.random.default_rng(0).normal(size=(len(colours), 3))
+    header, block = parts(view.mesh((vertices, [[0, 1, 2]]), vertex_colours=colours / 255))
+    seen = unpacked(header["frames"][0][0]["layers"][0]["blended"], block)
+    assert (seen.reshape(-1, 3) == colours).all()
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.lists(clouds, min_size=1, max_size=4), st.booleans())
+def test_curves_come_back_to_half_a_step_closed_or_not(lines, closed):
+    lines = [np.concatenate([line, line]) for line in lines]  # a curve has two points at least
+    header, block = parts(view.curves(lines, closed=closed))
+    box, layer = header["boxes"][0], header["frames"][0][0]["layers"][0]
+    back = unpacked(layer["at"], block).reshape(-1, 3) * box["size"] / 65535 + box["low"]
+    assert layer["lengths"] == [len(line) + closed for line in lines]
+    expected = np.concatenate([np.concatenate([line, line[:closed]]) for line in lines])
+    assert np.abs(back - expected).max() <= box["size"] / 65535 * 0.5001 + 1e-9
+
+
 def test_indices_get_32_bits_where_16_are_too_few():
     n = 70_000
     vertices = np.random.default_rng(0).normal(size=(n, 3))

@@ -122,7 +122,7 @@ def test_values_go_to_faces_when_there_is_one_for_each():
         (lambda: view.mesh(TETRAHEDRON, labels="edges"), "labels is 'edges'"),
         (lambda: view.mesh(TETRAHEDRON, labels="halfedges"), "labels is 'halfedges'"),
         (lambda: view.mesh(TETRAHEDRON, direction=(0, 0, 0)), "direction is zero"),
-        (lambda: view.mesh(TETRAHEDRON, direction="up"), "direction cannot be read"),
+        (lambda: view.mesh(TETRAHEDRON, direction="up"), "direction is 'up'; give three finite numbers"),
         (lambda: view.mesh(TETRAHEDRON, colour="mauve"), "colour is 'mauve'"),
         (lambda: view.mesh(TETRAHEDRON, face_colours=["red"] * 3), "face_colours has 3 entries"),
         (lambda: view.mesh(TETRAHEDRON, range(4), colour_map="jet"), "colour_map is 'jet'"),
@@ -150,6 +150,36 @@ def test_values_go_to_faces_when_there_is_one_for_each():
         (lambda: view.mesh(TETRAHEDRON, sparse.eye_array(4)), "values is a sparse matrix"),
         (lambda: view.mesh(TETRAHEDRON, {"H": range(4), "K": range(3)}), "field 'K': values has shape"),
         (lambda: view.Picture(TETRAHEDRON), "a tuple is not a scene"),
+        (lambda: view.mesh((TETRAHEDRON[0], np.zeros((2, 2, 3), int))), "faces is nested 3 deep"),
+        (lambda: view.mesh(([], TETRAHEDRON[1])), "vertices has shape"),
+        (lambda: view.mesh((TETRAHEDRON[0][:0], TETRAHEDRON[1])), "with 0 vertices no index is valid"),
+        (lambda: view.mesh(TETRAHEDRON, [10**400] * 4), "values cannot be read"),
+        (lambda: view.mesh(TETRAHEDRON, range(4), limits=(-1e308, 1e308)), "limits is"),
+        (lambda: view.mesh(TETRAHEDRON, direction=(1, 2)), r"direction is \(1, 2\); give three"),
+        (
+            lambda: view.mesh(TETRAHEDRON, face_colours=[["red"]]),
+            r"face_colours is an array of shape \(1, 1\)",
+        ),
+        (lambda: view.mesh(TETRAHEDRON, vertex_colours=1j * TETRAHEDRON[0]), "type complex128; give names"),
+        (lambda: view.mesh(TETRAHEDRON, vertex_colours=np.full((4, 3), 255)), r"vertex_colours\[0\] is"),
+        (
+            lambda: view.mesh(TETRAHEDRON, vertex_colours=np.full((3, 3), 0.5)),
+            "has 3 entries; give one, or 4",
+        ),
+        (lambda: view.mesh(TETRAHEDRON, vertex_colours="red", face_colours="red"), "give one of them"),
+        (lambda: view.points(np.array([["2026-01-01"] * 3], dtype="datetime64")), "points cannot be read"),
+        (lambda: view.curves([[[0, 0], [1, 1, 1]]]), r"lines\[0\] cannot be read"),
+        (lambda: view.curves([[0, 0], [1, 1]], colours=3), r"colours\[0\] is 3"),
+        (lambda: view.neighbours(TETRAHEDRON, 0, None), "order is None"),
+        (lambda: view.vectors(TETRAHEDRON[0], [[1, 0, 0]]), "there are 1 vectors for 4 points"),
+        (lambda: view.vectors(TETRAHEDRON[0], [[np.inf] * 3] * 4), r"vectors\[0\] is"),
+        (lambda: view.vectors(TETRAHEDRON[0], TETRAHEDRON[0], scale=-1), "scale is -1"),
+        (lambda: view.vectors(TETRAHEDRON[0], TETRAHEDRON[0], scale=1e308), "give a smaller one"),
+        (lambda: view.vectors(TETRAHEDRON[0], TETRAHEDRON[0], on=3), "a int cannot be drawn as a mesh"),
+        (view.together, "give at least one"),
+        (lambda: view.together(view.side_by_side(*2 * [view.mesh(TETRAHEDRON)])), "picture 0 has 2 panels"),
+        (lambda: view.animation(None), "pictures is a NoneType"),
+        (lambda: view.animation([view.mesh(TETRAHEDRON)], names=3), "names is 3"),
     ],
 )
 def test_what_cannot_be_drawn_is_named(make, message):
@@ -179,6 +209,39 @@ def test_values_that_have_blown_up_are_shown_in_grey():
 
 def tetrahedron():
     return halfedge_mesh(TETRAHEDRON[0], TETRAHEDRON[1])
+
+
+def test_arrows_get_a_length_that_suits_the_picture():
+    vertices = TETRAHEDRON[0]
+    for size in (1e-3, 1.0, 1e6):
+        surface, arrows = view.vectors(vertices, size * vertices, on=TETRAHEDRON).scene.panels[0].layers
+        np.testing.assert_array_equal(surface.vertices, vertices)
+        lengths = np.linalg.norm(arrows.heads - arrows.tails, axis=1)
+        np.testing.assert_allclose(lengths, 0.125 * np.ptp(vertices))
+    given = view.vectors(vertices, vertices, scale=2).scene.panels[0].layers[0]
+    np.testing.assert_allclose(given.heads, 3 * vertices)
+    assert "4 arrows; the longest stands for 1.73." in repr(view.vectors(vertices, vertices))
+    nothing = view.vectors(vertices, 0 * vertices, on=TETRAHEDRON).scene.panels[0].layers[1]
+    assert len(nothing.heads) == 0
+
+
+def test_pictures_are_laid_over_each_other_as_the_first_is_seen():
+    first, second = view.mesh(TETRAHEDRON, direction=(1, 2, 3)), view.points(TETRAHEDRON[0])
+    both = view.together(first, second)
+    panel = both.scene.panels[0]
+    assert [layer.kind for layer in panel.layers] == ["mesh", "points"]
+    assert panel.camera == first.scene.panels[0].camera
+    assert repr(both) == f"{first!r} {second!r}"
+    assert "<iframe" in both.html()
+
+
+def test_colours_are_names_or_numbers():
+    named = view.mesh(TETRAHEDRON, vertex_colours=["red", "#00ff00", "blue", "white"])
+    assert named.scene.panels[0].layers[0].vertex_colours == ("#c8450c", "#00ff00", "#0b5fa5", "#ffffff")
+    rows = [[1, 0, 0], [0, 0.5, 0], [0, 0, 1], [1, 1, 1]]
+    for given in (rows, np.array(rows), [tuple(row) for row in rows]):
+        mesh = view.mesh(TETRAHEDRON, vertex_colours=given).scene.panels[0].layers[0]
+        assert mesh.vertex_colours == ("#ff0000", "#008000", "#0000ff", "#ffffff")
 
 
 def test_a_mesh_without_positions_is_refused_with_the_repair():

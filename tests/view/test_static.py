@@ -91,6 +91,36 @@ def height_at(point, corners, heights):
     return barycentric(point, corners) @ heights
 
 
+def test_surfaces_that_cut_each_other_are_cut_where_they_meet():
+    flat = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    steep = flat + np.outer(flat[:, 0], [0, 0, 1.0])  # above the other for x > 0
+    meshes = [
+        scene.Mesh(x, [[0, 1, 2, 3]], colour=c, edges=False)
+        for x, c in ((flat, "#ff0000"), (steep, "#0000ff"))
+    ]
+    seen = pixels(
+        view.Picture(scene.Scene((scene.Panel(meshes, camera=scene.Camera((0, 0, 1), (0, 1, 0))),)))
+    )
+    drawn = (seen < 250).any(axis=2)
+    columns = np.flatnonzero(drawn.any(axis=0))
+    middle = int(columns.mean())
+    red, blue = seen[..., 0] > seen[..., 2], seen[..., 2] > seen[..., 0]
+    assert red[drawn & (np.arange(seen.shape[1]) < middle - 3)].mean() > 0.99
+    assert blue[drawn & (np.arange(seen.shape[1]) > middle + 3)].mean() > 0.99
+
+
+def test_the_near_side_of_a_spike_is_seen_among_many_faces():
+    n = 16  # 450 triangles: too many to be ordered one by one
+    x, y = np.meshgrid(np.arange(n), np.arange(n), indexing="ij")
+    vertices = np.column_stack([x.ravel(), y.ravel(), np.zeros(n * n)]).astype(float)
+    a = (n * np.arange(n - 1)[:, None] + np.arange(n - 1)).ravel()
+    faces = np.concatenate([np.column_stack([a, a + n, a + n + 1]), np.column_stack([a, a + n + 1, a + 1])])
+    tip = n * (n // 2) + n // 2
+    vertices[[tip, tip - 1], 2] = 9, -3  # before the spike there is a pit
+    seen = pixels(view.mesh((vertices, faces), direction=(0.3, -1, 0.9), edges=False))
+    assert ((seen[..., 0] - seen[..., 2]) > 40).mean() < 0.0005  # nothing of the orange inner side
+
+
 def test_a_cycle_is_broken_and_all_are_painted():
     # Three long tiles, each over the next: no order is right, but every tile must be painted once.
     turn = [np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]]) for a in np.deg2rad([0, 120, 240])]
@@ -161,6 +191,17 @@ def test_zero_is_white_when_values_have_both_signs():
 def test_values_that_are_not_finite_are_grey():
     picture = view.mesh((SQUARE, [[0, 1, 2], [0, 2, 3]]), [np.nan, 1.0], values_on="faces", edges=False)
     assert share(picture, "#b9bcc0", tolerance=3) > 0.2
+
+
+def test_colours_of_vertices_are_blended_over_the_faces():
+    square = (np.array(SQUARE, dtype=float), [[0, 1, 2], [0, 2, 3]])
+    colours = [[1, 0, 0], [0, 0, 1], [0, 0, 1], [1, 0, 0]]  # red on the left, blue on the right
+    seen = pixels(view.mesh(square, vertex_colours=colours, edges=False, direction=TOWARDS_CAMERA))
+    drawn = np.flatnonzero((seen[len(seen) // 2] < 250).any(axis=1))
+    left, middle, right = (seen[len(seen) // 2, drawn[0] + k * len(drawn) // 10] for k in (1, 5, 9))
+    assert left[0] > 200 > 60 > left[2]
+    assert right[2] > 200 > 60 > right[0]
+    assert abs(middle[0] - middle[2]) < 30
 
 
 def test_the_back_of_an_open_mesh_has_another_colour():
@@ -261,6 +302,8 @@ EMPTY = (np.zeros((0, 3)), [])
         lambda: view.points(np.zeros((0, 3))),
         lambda: view.curves([[0, 0], [1, 1], [2, 0]], closed=True),
         lambda: view.curves([CUBE[0]], on=CUBE, colours=["red"]),
+        lambda: view.vectors(CUBE[0], CUBE[0] - 0.5, on=CUBE),
+        lambda: view.together(view.mesh(CUBE), view.points(CUBE[0]), view.curves(CUBE[0])),
         lambda: view.side_by_side(*[view.mesh(CUBE, title=str(i)) for i in range(6)]),
     ],
 )

@@ -9,5 +9,6 @@ from __future__ import annotations
 from gpcourse.exercises.feedback.content import Content, Problem, Row, content
 from gpcourse.exercises.feedback.panel import as_html
 from gpcourse.exercises.feedback.plain import as_text
+from gpcourse.exercises.feedback.words import clean, without_paths
 
-__all__ = ["Content", "Problem", "Row", "as_html", "as_text", "content"]
+__all__ = ["Content", "Problem", "Row", "as_html", "as_text", "clean", "content", "without_paths"]

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from gpcourse.exercises.feedback.advice import advice
-from gpcourse.exercises.feedback.words import clean, sentence, written_call
+from gpcourse.exercises.feedback.words import clean, sentence, without_paths, written_call
 from gpcourse.exercises.judging import CheckResult, Outcome, Question, Verdict
 from gpcourse.sandbox.call import Trouble
 
@@ -34,6 +34,8 @@ _HAPPENED: dict[Outcome, str] = {
     "grader fault": "This check broke while it looked at your answer. This is our fault, no point is lost. "
     "Please report it with the details below.",
 }
+#: What to do about it on one's own machine, and on a page that is handed out.
+_FOR_US = ("Please report it with the details below.", "A person will look at it.")
 
 
 @dataclass(frozen=True)
@@ -87,7 +89,7 @@ class Content:
 
 
 def content(verdict: Verdict, *, answers: bool = True) -> Content:
-    """Put a verdict into words; without `answers`, what is true is neither written nor drawn."""
+    """Put a verdict into words; without `answers`, what is true is neither written nor drawn, nor a path."""
     exercise = verdict.exercise
     shown = () if verdict.outcome == "not attempted" else verdict.results
     problem = verdict.first_problem if shown else None
@@ -95,7 +97,7 @@ def content(verdict: Verdict, *, answers: bool = True) -> Content:
         name=exercise.name,
         summary=exercise.summary,
         outcome=verdict.outcome,
-        headline=_headline(verdict),
+        headline=_headline(verdict) if answers else _headline(verdict).replace(*_FOR_US),
         points=verdict.points,
         of=exercise.points,
         rows=tuple(_row(result) for result in shown),
@@ -131,12 +133,12 @@ def _problem(verdict: Verdict, result: CheckResult, answers: bool) -> Problem:
     facts, legend = _facts(verdict, result, answers)
     message = _HAPPENED.get(result.outcome, "").format(limit=exercise.time_limit)
     if wrong is not None:
-        message = sentence(clean(wrong.message))
+        message = sentence(clean(wrong.told if answers else wrong.message))
     elif result.outcome == "error" and trouble is not None:
         text = clean(trouble.message, 300)
         message = f"Your code stopped with {trouble.types[0]}" + (f": {text}" if text else ".")
     known = result.mistake
-    return Problem(
+    problem = Problem(
         claim=result.check.claim,
         message=message,
         facts=facts,
@@ -149,6 +151,19 @@ def _problem(verdict: Verdict, result: CheckResult, answers: bool) -> Problem:
         hint=known.hint if known else "",
         fault=clean(result.fault, 6000),
         picture=None if wrong is None else wrong.picture if answers else wrong.handout,
+    )
+    return problem if answers else _handed_out(problem)
+
+
+def _handed_out(problem: Problem) -> Problem:
+    """Leave out what is the grader's: its paths, and where a check of ours broke."""
+    return replace(
+        problem,
+        message=without_paths(problem.message).replace(*_FOR_US),
+        facts=tuple((k, without_paths(v) if k == "yours" else v) for k, v in problem.facts),
+        where=without_paths(problem.where),
+        advice=without_paths(problem.advice),
+        fault="",
     )
 
 

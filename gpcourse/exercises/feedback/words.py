@@ -22,6 +22,15 @@ _TERMINAL_CODES = re.compile(
 #: Control characters, and the marks that turn the reading direction of what follows.
 _UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
+#: A place in the grader's file system: quoted, so that it may hold spaces, or of at least two parts.
+_QUOTED_PATH = re.compile(r"""(['"])(?:[A-Za-z]:)?[/\\](?:[^'"\n]*[/\\])?([^'"/\\\n]*)\1""")
+_PATH = re.compile(r"(?<![\w.:/\\<~-])(?:[A-Za-z]:)?[/\\](?:[^\s/\\'\"<>:;,()]+[/\\]+)+([^\s/\\'\"<>:;,()]*)")
+
+
+def without_paths(text: str) -> str:
+    """Leave of every absolute path the name of its file: a grader's folders are nobody's business."""
+    return _PATH.sub(r"\1", _QUOTED_PATH.sub(r"\1\2\1", text))
+
 
 def clean(text: object, limit: int = 600) -> str:
     """Return `text` without terminal codes and control characters, and at most `limit` characters long."""
@@ -31,8 +40,9 @@ def clean(text: object, limit: int = 600) -> str:
 
 
 def sentence(text: str) -> str:
-    """Begin with a capital letter, unless it is a name in code, and end with a full stop."""
-    return text[:1].upper() + text[1:] + ("" if not text or text[-1] in ".?!…:`" else ".")
+    """Begin with a capital letter, unless it is a name, as in "t, worst at …", and end with a full stop."""
+    begin = text[:1] if re.match(r"[b-zA-Z]\W", text) else text[:1].upper()
+    return begin + text[1:] + ("" if not text or text[-1] in ".?!…:`" else ".")
 
 
 def written_call(
@@ -63,6 +73,8 @@ def _code(value: Any) -> str | None:
         text = repr(plain)
     else:
         text = ""
+    if "Ellipsis" in text and not isinstance(value, str):  # an array in a list, which is too large
+        return None
     limit = _WRITTEN_TEXT if isinstance(value, str) else _WRITTEN
     return text if 0 < len(text) <= limit and "<" not in _outside_strings(plain, text) else None
 
@@ -90,9 +102,9 @@ def _described(value: Any) -> str:
         return f"a text of {lines} lines, beginning with {clean(value, 1000)[:40]!r}"
     if isinstance(value, (list, tuple)):
         kind = "list" if isinstance(value, list) else "tuple"
-        return (
-            f"a {kind} of {len(value)}, beginning with {clean(_plain(value[0]), 40)}"
-            if value
-            else f"an empty {kind}"
-        )
+        if not value:
+            return f"an empty {kind}"
+        first = _plain(value[0])
+        words = _described(value[0]) if first is ... else clean(first, 40)
+        return f"a {kind} of {len(value)}, beginning with {words}"
     return f"a {type(value).__name__}"

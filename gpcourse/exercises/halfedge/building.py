@@ -56,12 +56,12 @@ def _expect_built(f: Asked, vertices: FloatArray, faces: FaceLists, on: str) -> 
     expect.that(is_mesh, f"The result should be a HalfedgeMesh; it is a {type(value).__name__}.", on=on)
     counts = (("vertices", value.n_vertices, n), ("faces", value.n_faces, len(faces)))
     for what, have, want in counts:
-        expect.that(have == want, f"The mesh has {have} {what}; it should have {want}.", on=on)
+        message = f"The mesh has {have} {what}, not as many as the input."
+        expect.that(have == want, message, told=f"The mesh has {have} {what}; it should have {want}.", on=on)
     edges = n_edges(faces)
-    message = (
-        f"There are {value.n_halfedges} half-edges for {edges} edges. Each edge has two: one on each side."
-    )
-    expect.that(value.n_halfedges == 2 * edges, message, on=on)
+    message = f"There are {value.n_halfedges} half-edges. Each edge has two: one on each side."
+    told = f"There are {value.n_halfedges} half-edges for {edges} edges. Each edge has two: one on each side."
+    expect.that(value.n_halfedges == 2 * edges, message, told=told, on=on)
     mesh = expect.mesh(value, on=on, picture=lambda h: pictures.of_twin(value, vertices, h))
     for i, corners in enumerate(faces):
         mine = reference.face_vertices(mesh, i)
@@ -71,7 +71,9 @@ def _expect_built(f: Asked, vertices: FloatArray, faces: FaceLists, on: str) -> 
         )
     holes = len(hole_cycles(faces))
     found = len(reference.boundary_loops(mesh))
-    expect.that(found == holes, f"Walking along the holes finds {found} of them; there are {holes}.", on=on)
+    message = f"Walking along the holes finds {found} of them, which is not right."
+    told = f"Walking along the holes finds {found} of them; there are {holes}."
+    expect.that(found == holes, message, told=told, on=on)
     return mesh
 
 
@@ -354,11 +356,13 @@ def _(f: Asked, rng: Rng) -> None:
     try:
         mesh = reference.build_halfedges(faces, len(vertices))
     except GeometryError as error:
-        raise expect.Wrong(f"The faces do not fit together: {error}.") from None
+        drawn = pictures.of_surface(vertices, faces)
+        raise expect.Wrong(f"The faces do not fit together: {error}.", picture=drawn) from None
     open_sides = np.flatnonzero(mesh.face == HOLE)
     if len(open_sides):
         a, b = mesh.origin[open_sides[0]], mesh.origin[mesh.twin[open_sides[0]]]
-        raise expect.Wrong(f"Edge {a} – {b} has a face on one side only.")
+        message = f"Edge {a} – {b} has a face on one side only."
+        raise expect.Wrong(message, picture=pictures.of_surface(vertices, faces, [int(a), int(b)]))
 
 
 @CUBE.check("it is a cube: square faces, all of one size")
@@ -366,7 +370,8 @@ def _(f: Asked, rng: Rng) -> None:
     vertices, faces = _cube_parts(f)
     for i, face in enumerate(faces):
         corners = vertices[face]
-        expect.that(len(face) == 4, f"Face {i} has {len(face)} corners.")
+        drawn = pictures.of_surface(vertices, faces, face)
+        expect.that(len(face) == 4, f"Face {i} has {len(face)} corners.", picture=drawn)
         sides = np.roll(corners, -1, axis=0) - corners
         length = np.linalg.norm(vertices[faces[0][1]] - vertices[faces[0][0]])
         # Rounding in eight coordinates is about 1e-16 of the size; 1e-6 also admits float32.
@@ -376,6 +381,7 @@ def _(f: Asked, rng: Rng) -> None:
             length > 0 and equal.all() and right.all(),
             f"Face {i} is not a square with sides {length:.3g}, as long as the first side of face 0.",
             yours=expect.brief(corners),
+            picture=pictures.of_surface(vertices, faces, face),
         )
 
 
@@ -384,11 +390,14 @@ def _(f: Asked, rng: Rng) -> None:
     vertices, faces = _cube_parts(f)
     volume = _volume(vertices, faces)
     size = float(np.ptp(vertices, axis=0).max())
-    expect.that(abs(volume) > 1e-3 * size**3, "The faces, some turned in and some out, enclose no volume.")
+    drawn = pictures.of_surface(vertices, faces)
+    message = "The faces, some turned in and some out, enclose no volume."
+    expect.that(abs(volume) > 1e-3 * size**3, message, picture=drawn)
     expect.that(
         volume > 0,
         "Every face is clockwise seen from outside: the cube is inside out.",
         yours=f"volume {volume:.3g}",
+        picture=drawn,
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from gpcourse.exercises import expect
 from gpcourse.exercises.exercise import Exercise
+from gpcourse.exercises.halfedge import pictures
 from gpcourse.exercises.halfedge.inputs import (
     FaceLists,
     Rng,
@@ -24,6 +25,7 @@ from gpcourse.exercises.halfedge.inputs import (
     with_isolated_vertices,
 )
 from gpcourse.exercises.judging import Asked
+from gpcourse.exercises.pictures import Positions
 from gpcourse.geometry import shapes
 from gpcourse.geometry.arrays import FloatArray
 from gpcourse.geometry.halfedge_mesh import HOLE, NONE, HalfedgeMesh
@@ -58,16 +60,19 @@ def _expect_dual(f: Asked, mesh: HalfedgeMesh, faces: FaceLists, on: str) -> tup
     vertices = expect.array(value[0], (len(faces), 3), "The dual's vertex array", on=on)
     rows = value[1]
     length = len(rows) if hasattr(rows, "__len__") else -1
-    message = f"The dual has {length} faces; there should be one for each of the {mesh.n_vertices} vertices."
-    expect.that(length == mesh.n_vertices, message, on=on)
+    message = f"The dual has {length} faces; there should be one for each vertex."
+    told = f"The dual has {length} faces; there should be one for each of the {mesh.n_vertices} vertices."
+    expect.that(length == mesh.n_vertices, message, told=told, on=on)
     mine = expect.polygons(rows, len(faces), "The faces of the dual", on=on)
     centroids = np.array([positions(mesh)[face].mean(axis=0) for face in faces])
     size = float(np.abs(positions(mesh)).max())
     # A mean is rounded by about 1e-16 of the largest coordinate; 1e-6 also admits float32.
-    expect.close(vertices, centroids, 1e-6 * size, "The vertices of the dual, which are centroids", on=on)
+    what, shown = "The vertices of the dual, which are centroids", Positions(None, None)
+    expect.close(vertices, centroids, 1e-6 * size, what, on=on, shown=shown)
     for v, face in enumerate(mine):
         want = [i for i, corners in enumerate(faces) if v in corners]
-        details: dict[str, Any] = {"yours": str(face), "on": on}
+        draw = pictures.of_surface(vertices, mine, face)
+        details: dict[str, Any] = {"yours": str(face), "on": on, "picture": draw}
         message = f"Face {v} of the dual should name the faces around vertex {v}."
         expect.that(sorted(face) == want, message, truth=f"the faces {want}", **details)
         ring = _faces_around(faces, v)

@@ -64,12 +64,11 @@ def _expect_read(f: Asked, text: str, data: MeshData, on: str) -> None:
     # Reading text gives the nearest double, the very number that was written: no tolerance.
     expect.close(vertices, data[0], 0.0, "The vertex positions", on=on)
     for i, (mine, want) in enumerate(zip(faces, data[1], strict=False)):
-        expect.that(
-            mine == want, f"Face {i} is not the one in the file.", yours=str(mine), truth=str(want), on=on
-        )
-    expect.that(
-        len(faces) == len(data[1]), f"There are {len(faces)} faces; the file has {len(data[1])}.", on=on
-    )
+        message = f"Face {i} is not the one in the file."
+        expect.that(mine == want, message, yours=str(mine), truth=str(want), on=on)
+    message = f"There are {len(faces)} faces, not as many as in the file."
+    told = f"There are {len(faces)} faces; the file has {len(data[1])}."
+    expect.that(len(faces) == len(data[1]), message, told=told, on=on)
 
 
 @READ_OFF.check("reads a plain file of triangles, to the last bit")

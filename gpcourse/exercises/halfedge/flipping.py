@@ -285,11 +285,12 @@ def _expect_flip(f: Asked, mesh: HalfedgeMesh, h: int) -> HalfedgeMesh:
     mine, want = _surface(_faces(flipped)), _surface(_flipped_faces(_faces(mesh), p, q))
     unchanged = mine == _surface(_faces(mesh))
     expect.that(not unchanged, "The faces are those from before: nothing was flipped.", on=on, picture=draw)
-    message = (
+    message = "The faces are not those that turning this edge gives."
+    told = (
         f"After the flip there should be a face {r}, {p}, {s} and a face {s}, {q}, {r}, the others as before."
     )
     odd = [face for face in mine if face not in want]
-    expect.that(mine == want, message, yours=f"faces {odd}", on=on, picture=draw)
+    expect.that(mine == want, message, told=told, yours=f"faces {odd}", on=on, picture=draw)
     return flipped
 
 

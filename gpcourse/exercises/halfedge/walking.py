@@ -50,8 +50,9 @@ def _expect_face(f: Asked, mesh: HalfedgeMesh, faces: FaceLists, i: int) -> None
     mine = expect.indices(f(mesh, i), on=on)
     want = faces[i]
     details = {"yours": str(mine.tolist()), "on": on, "picture": pictures.of_face(mesh, i)}
-    message = f"The face has {len(want)} corners; your list has {len(mine)}."
-    expect.that(len(mine) == len(want), message, **details)
+    message = f"Your list has {len(mine)} corners, which is not how many the face has."
+    told = f"The face has {len(want)} corners; your list has {len(mine)}."
+    expect.that(len(mine) == len(want), message, told=told, **details)
     message = "These are not the corners of the face."
     expect.that(
         sorted(mine.tolist()) == sorted(want), message, truth=f"the corners {sorted(want)}", **details
@@ -197,9 +198,8 @@ def _judge_neighbours(answer: Any, mesh: HalfedgeMesh, v: int, ring: list[int], 
         "picture": pictures.of_neighbours(mesh, v, mine.tolist()),
     }
     if want - have:
-        raise expect.Wrong(
-            f"Neighbour {min(want - have)} is missing.", truth=f"{len(want)} neighbours", **details
-        )
+        told = f"Neighbour {min(want - have)} is missing: there are {len(want)}."
+        raise expect.Wrong("A neighbour is missing.", told=told, **details)
     if have - want:
         raise expect.Wrong(f"Vertex {min(have - want)} is no neighbour of {v}.", **details)
     expect.that(len(mine) == len(ring), "A neighbour is listed more than once.", **details)
@@ -380,26 +380,26 @@ def _expect_loops(f: Asked, shape: shapes.Shape, rng: Rng, on: str) -> None:
     message = "The result should be a list of loops, each a list of vertices; it is one flat list."
     expect.that(not flat, message, yours=expect.brief(value), on=on)
     loops = [expect.indices(loop, f"Loop {i}", on=on).tolist() for i, loop in enumerate(value)]
-    message = f"There are {len(loops)} loops; this mesh has {len(want)}."
-    expect.that(len(loops) == len(want), message, yours=expect.brief(loops), on=on)
+    message = f"You found {_count(len(loops))}, which is not how many this mesh has."
+    told = f"You found {_count(len(loops))}; this mesh has {len(want)}."
+    drawn = pictures.of_loops(shape, loops, want)
+    expect.that(len(loops) == len(want), message, told=told, yours=expect.brief(loops), on=on, **drawn)
     for loop in loops:
+        drawn = pictures.of_loops(shape, [loop], want)
         twice = next((v for v in loop if loop.count(v) > 1), None)
         message = f"Vertex {twice} is listed more than once on its loop."
-        expect.that(twice is None, message, yours=expect.brief(loop), on=on)
+        expect.that(twice is None, message, yours=expect.brief(loop), on=on, **drawn)
         match = next((cycle for cycle in want if set(cycle) == set(loop)), None)
-        expect.that(
-            match is not None, "These are not the vertices along a hole.", yours=expect.brief(loop), on=on
-        )
+        details: dict[str, Any] = {"yours": expect.brief(loop), "on": on, **drawn}
+        expect.that(match is not None, "These are not the vertices along a hole.", **details)
         if match and len(match) > 2 and expect.cyclic_equal(loop, match[::-1]):
-            raise expect.Wrong(
-                "The loop runs against the direction of next along the hole.", yours=expect.brief(loop), on=on
-            )
-        expect.that(
-            match and expect.cyclic_equal(loop, match),
-            "The vertices are right, but not in order.",
-            yours=expect.brief(loop),
-            on=on,
-        )
+            raise expect.Wrong("The loop runs against the direction of next along the hole.", **details)
+        in_order = match and expect.cyclic_equal(loop, match)
+        expect.that(in_order, "The vertices are right, but not in order.", **details)
+
+
+def _count(loops: int) -> str:
+    return "1 loop" if loops == 1 else f"{loops} loops"
 
 
 @BOUNDARY_LOOPS.check("a closed mesh has none")
@@ -509,7 +509,8 @@ def _expect_centroid(f: Asked, mesh: HalfedgeMesh, faces: FaceLists, i: int, sca
     want = np.array([sum(column) / len(column) for column in corners.T])
     # A mean of k numbers is rounded by less than k * 1e-16 of the largest; 1e-6 also admits float32.
     size = np.abs(corners).max()
-    expect.close(mine, want, 1e-6 * size if scale < 1e3 else 1e-7 * size, "The centroid", on=on)
+    tolerance, drawn = 1e-6 * size if scale < 1e3 else 1e-7 * size, pictures.of_centroid(corners, mine, want)
+    expect.close(mine, want, tolerance, "The centroid", on=on, **drawn)
 
 
 @FACE_CENTROID.check("triangles")

@@ -74,7 +74,7 @@ def _expect_pose(
 ) -> None:
     """Expect the rotation within `tolerance`, in radians, and points within three times that, in length."""
     R, t, _ = mine
-    details: dict[str, Any] = {"on": on, "picture": pictures.of_alignment(target, source, R, t)}
+    details: dict[str, Any] = {"on": on, **pictures.of_alignment(target, source, (R, t), want)}
     angle = angle_between(R, want[0])
     expect.that(
         angle <= tolerance,

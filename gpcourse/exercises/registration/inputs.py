@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from gpcourse.exercises import expect
+from gpcourse.exercises.registration import pictures
 from gpcourse.geometry.arrays import BoolArray, FloatArray, IntArray
 
 Rng = np.random.Generator
@@ -64,18 +65,21 @@ def parts(value: object, n: int, names: str, *, on: str = "") -> tuple[Any, ...]
     return tuple(value)
 
 
-def motion(value: object, *, on: str = "", names: str = "a pair (R, t)") -> Motion:
-    """Expect a pair of a rotation matrix and a translation."""
+def motion(
+    value: object, *, on: str = "", names: str = "a pair (R, t)", clouds: Motion | None = None
+) -> Motion:
+    """Expect a pair of a rotation matrix and a translation; `clouds` are the p and q that it should match."""
     R, t = parts(value, 2, names, on=on)
     rotation = expect.array(R, (3, 3), "R", on=on)
     translation = expect.array(t, (3,), "t", on=on)
     # Rounding leaves about 1e-15; 1e-6 also admits single precision. Values are judged more sharply.
     off = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
     message = "R is not a rotation matrix: RᵀR is not the identity."
-    expect.that(off <= 1e-6, message, yours=f"it is off by {off:.2g}", on=on)
+    drawn = pictures.of_alignment(*clouds, (rotation, translation), pairs=True) if clouds else {}
+    expect.that(off <= 1e-6, message, yours=f"it is off by {off:.2g}", on=on, **drawn)
     det = float(np.linalg.det(rotation))
     message = "R is a reflection: det R should be +1."
-    expect.that(det > 0, message, yours=f"det R = {det:.3g}", truth="det R = +1", on=on)
+    expect.that(det > 0, message, yours=f"det R = {det:.3g}", truth="det R = +1", on=on, **drawn)
     return rotation, translation
 
 

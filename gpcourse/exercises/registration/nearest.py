@@ -88,9 +88,10 @@ def _expect_nearest(value: object, points: FloatArray, queries: FloatArray, on: 
             yours=f"point {i[w]}, at distance {chosen[w]:.4g}",
             truth=f"there is one at distance {least[w]:.4g}",
             on=on,
-            picture=pictures.of_neighbour(points, queries[w], int(i[w]), nearest),
+            **pictures.of_neighbour(points, queries[w], int(i[w]), nearest),
         )
-    expect.close(d, least, slack, "The distances", on=on)
+    shown = pictures.Field(queries, None, "distance", item="query")
+    expect.close(d, least, slack, "The distances", on=on, shown=shown)
     none = "Some queries visited no point: a distance to at least one point must be computed."
     expect.that(bool((v >= 1).all()), none, yours=expect.brief(v), on=on)
     return d, i, v
@@ -368,19 +369,9 @@ def _pairs(rng: Rng, scale: float) -> tuple[tuple[Any, ...], BoolArray]:
     return (p, q, a, b, limit, angle), near & (alike == 0)
 
 
-def _expect_mask(
-    value: object, truth: BoolArray, on: str, names: tuple[str, str] = ("kept", "rejected")
-) -> None:
+def _expect_mask(value: object, truth: BoolArray, on: str, pairs: pictures.Pairs | None = None) -> None:
     mine = mask(value, len(truth), on=on)
-    wrong = np.flatnonzero(mine != truth)
-    if len(wrong):
-        i = int(wrong[0])
-        raise expect.Wrong(
-            f"{len(wrong)} of {len(truth)} entries are wrong; the first is entry {i}.",
-            yours=names[0] if mine[i] else names[1],
-            truth=names[0] if truth[i] else names[1],
-            on=on,
-        )
+    expect.flags(mine, truth, ("kept", "rejected"), item="pair", on=on, shown=pairs)
 
 
 @REJECT_PAIRS.check("near pairs with like normals are kept, no others", points=2)
@@ -388,7 +379,8 @@ def _(f: Asked, rng: Rng) -> None:
     cases = [_pairs(rng, scale) for scale in (1.0, 100.0, 0.01)]
     answers = [f(*arguments) for arguments, _ in cases]
     for (arguments, truth), answer in zip(cases, answers, strict=True):
-        _expect_mask(answer, truth, f"40 pairs, max_distance {arguments[4]:g}, max_angle {arguments[5]:.2f}")
+        on = f"40 pairs, max_distance {arguments[4]:g}, max_angle {arguments[5]:.2f}"
+        _expect_mask(answer, truth, on, pictures.Pairs(*arguments[:2]))
 
 
 @REJECT_PAIRS.check("a motion of both clouds changes nothing")
@@ -396,7 +388,7 @@ def _(f: Asked, rng: Rng) -> None:
     (p, q, a, b, limit, angle), truth = _pairs(rng, 1.0)
     R, t = random_motion(rng, 20.0)
     answer = f(moved(p, R, t), moved(q, R, t), a @ R.T, b @ R.T, limit, angle)
-    _expect_mask(answer, truth, "40 pairs far from the origin")
+    _expect_mask(answer, truth, "40 pairs far from the origin", pictures.Pairs(p, q))
 
 
 def _tests(p: FloatArray, q: FloatArray, a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:

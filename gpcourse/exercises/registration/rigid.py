@@ -39,10 +39,10 @@ RIGID_TRANSFORM = Exercise(
 
 
 def _expect_motion(mine: Motion, want: Motion, size: float, pq: Motion, on: str) -> None:
-    picture = pictures.of_alignment(*pq, *mine, pairs=True)
+    drawn = pictures.of_alignment(*pq, mine, want, pairs=True)
     # Measured: the singular vectors leave 3e-15 on these clouds. 1e-12 is what the course asks for.
-    expect.close(mine[0], want[0], 1e-12, "R", on=on, picture=picture)
-    expect.close(mine[1], want[1], 1e-12 * (1 + size), "t", on=on, picture=picture)
+    expect.close(mine[0], want[0], 1e-12, "R", on=on, **drawn)
+    expect.close(mine[1], want[1], 1e-12 * (1 + size), "t", on=on, **drawn)
 
 
 def _expect_best(mine: Motion, p: FloatArray, q: FloatArray, w: FloatArray, on: str) -> None:
@@ -55,7 +55,7 @@ def _expect_best(mine: Motion, p: FloatArray, q: FloatArray, w: FloatArray, on: 
     R, t = mine
     w = w / w.sum()
     size = float(np.ptp(p, axis=0).max())
-    details: dict[str, Any] = {"on": on, "picture": pictures.of_alignment(p, q, R, t, pairs=True)}
+    details: dict[str, Any] = {"on": on, **pictures.of_alignment(p, q, mine, pairs=True)}
     left = w @ (p - moved(q, R, t))
     # Rounding leaves 1e-16 of the size; 1e-7 also admits single precision of unit-sized clouds.
     expect.that(
@@ -96,7 +96,7 @@ def _(f: Asked, rng: Rng) -> None:
         cases.append((p, q, want, scale, f(p, q)))
     for p, q, want, scale, answer in cases:
         on = f"{len(q)} points of size {scale:g}"
-        _expect_motion(motion(answer, on=on), want, 4 * scale, (p, q), on)
+        _expect_motion(motion(answer, on=on, clouds=(p, q)), want, 4 * scale, (p, q), on)
 
 
 @RIGID_TRANSFORM.check("no other motion fits noisy pairs better")
@@ -108,7 +108,7 @@ def _(f: Asked, rng: Rng) -> None:
         cases.append((p, q, f(p, q)))
     for p, q, answer in cases:
         on = f"{len(q)} noisy pairs"
-        _expect_best(motion(answer, on=on), p, q, np.ones(len(q)), on)
+        _expect_best(motion(answer, on=on, clouds=(p, q)), p, q, np.ones(len(q)), on)
 
 
 @RIGID_TRANSFORM.check("noisy points near a plane give a rotation, never a reflection", points=2)
@@ -118,8 +118,8 @@ def _(f: Asked, rng: Rng) -> None:
     exact, rough = f(p, q), f(noisy, q)
     on = "points near a plane, noisy across it"
     # As above, but the third direction is 30 times shorter: 1e-12 still leaves a hundredfold.
-    _expect_motion(motion(exact, on=on), want, 4.0, (p, q), on)
-    _expect_best(motion(rough, on=on), noisy, q, np.ones(len(q)), on)
+    _expect_motion(motion(exact, on=on, clouds=(p, q)), want, 4.0, (p, q), on)
+    _expect_best(motion(rough, on=on, clouds=(noisy, q)), noisy, q, np.ones(len(q)), on)
 
 
 @RIGID_TRANSFORM.check("a mirror image gives the best rotation")
@@ -127,7 +127,7 @@ def _(f: Asked, rng: Rng) -> None:
     q = rng.normal(size=(12, 3)) * [3.0, 2.0, 1.0]
     p = moved(-q, *random_motion(rng))
     on = "a cloud and its mirror image"
-    _expect_best(motion(f(p, q), on=on), p, q, np.ones(len(q)), on)
+    _expect_best(motion(f(p, q), on=on, clouds=(p, q)), p, q, np.ones(len(q)), on)
 
 
 @RIGID_TRANSFORM.check("points in a plane, and points on a line")
@@ -139,10 +139,14 @@ def _(f: Asked, rng: Rng) -> None:
     on = "7 points in a plane"
     mine = motion(answers[0], on=on)
     # In a plane the motion is still unique; the worst of 1000 random planes lost four digits.
-    expect.close(mine[0], want[0], 1e-9, "R", on=on)
+    p = moved(plane, *want)
+    expect.close(
+        mine[0], want[0], 1e-9, "R", on=on, **pictures.of_alignment(p, plane, mine, want, pairs=True)
+    )
     on = "6 points on a line"
     R, t = motion(answers[1], on=on)
-    expect.close(moved(line, R, t), moved(line, *want), 1e-9, "The moved points", on=on)
+    shown = pictures.Positions(line, None, item="point")
+    expect.close(moved(line, R, t), moved(line, *want), 1e-9, "The moved points", on=on, shown=shown)
 
 
 @RIGID_TRANSFORM.check("weights count in every sum", points=2)
@@ -156,9 +160,9 @@ def _(f: Asked, rng: Rng) -> None:
     graded = rng.uniform(0.1, 5, size=15)
     exact, rough = f(p, q, trusted), f(noisy, q, graded)
     on = "15 pairs, 4 of them wrong and of weight 0"
-    _expect_motion(motion(exact, on=on), want, 4.0, (p, q), on)
+    _expect_motion(motion(exact, on=on, clouds=(p, q)), want, 4.0, (p, q), on)
     on = "15 noisy pairs with different weights"
-    _expect_best(motion(rough, on=on), noisy, q, graded, on)
+    _expect_best(motion(rough, on=on, clouds=(noisy, q)), noisy, q, graded, on)
 
 
 def _svd(
@@ -367,10 +371,10 @@ def _(f: Asked, rng: Rng) -> None:
     for q, t, scale, answer in cases:
         on = f"a cloud of size {scale:g} and its translate"
         R, shift = motion(answer, on=on)
-        picture = pictures.of_alignment(q + t, q, R, shift)
+        drawn = pictures.of_alignment(q + t, q, (R, shift), (np.eye(3), t), pairs=True)
         # Normal equations square a condition number of about 100 scale: at most 1e-8 is lost.
-        expect.close(R, np.eye(3), 1e-8, "R, which should be the identity", on=on, picture=picture)
-        expect.close(shift, t, 1e-8 * scale * 10, "t", on=on, picture=picture)
+        expect.close(R, np.eye(3), 1e-8, "R, which should be the identity", on=on, **drawn)
+        expect.close(shift, t, 1e-8 * scale * 10, "t", on=on, **drawn)
 
 
 @POINT_TO_PLANE_STEP.check("a small motion is found to first order", points=2)
@@ -384,10 +388,11 @@ def _(f: Asked, rng: Rng) -> None:
     for small, want, p, q, _, answer in cases:
         on = f"a turn by {small:g} and a shift of that size"
         R, t = motion(answer, on=on)
-        picture = pictures.of_alignment(p, q, R, t)
+        drawn = pictures.of_alignment(p, q, (R, t), want, pairs=True)
         # What is neglected is of second order: measured, it stays below 4 small² on such clouds.
-        expect.close(R, want[0], 40 * small**2, "R", on=on, picture=picture)
-        expect.close(moved(q, R, t), p, 160 * small**2, "The moved points", on=on, picture=picture)
+        expect.close(R, want[0], 40 * small**2, "R", on=on, **drawn)
+        shown = pictures.Positions(q, None, item="point")
+        expect.close(moved(q, R, t), p, 160 * small**2, "The moved points", on=on, shown=shown)
 
 
 def _turned(rng: Rng) -> tuple[FloatArray, FloatArray, FloatArray, Motion]:
@@ -414,7 +419,8 @@ def _(f: Asked, rng: Rng) -> None:
         r, angle = solution[:3], float(np.linalg.norm(solution[:3]))
         # The axis stays where it is. Six normal equations of condition 1e3 lose six digits at most.
         axis = "R r, where r solves the six equations and should be the axis of R"
-        expect.close(R @ r, r, 1e-8, axis, on=on)
+        drawn = pictures.of_alignment(p, q, (R, t), pairs=True)
+        expect.close(R @ r, r, 1e-8, axis, on=on, **drawn)
         expect.that(
             abs(angle_of(R, r) - angle)
             <= angle**3 / 2,  # exponential, Cayley and projection all agree so far
@@ -422,10 +428,11 @@ def _(f: Asked, rng: Rng) -> None:
             yours=f"{angle_of(R, r):.4f}",
             truth=f"about {angle:.4f}",
             on=on,
+            **drawn,
         )
         # About which point one turns makes a difference of second order only.
         reach = float(np.linalg.norm(q, axis=1).max())
-        expect.close(t, solution[3:], 0.55 * angle**2 * reach + 1e-8, "t", on=on)
+        expect.close(t, solution[3:], 0.55 * angle**2 * reach + 1e-8, "t", on=on, **drawn)
 
 
 def angle_of(R: FloatArray, axis: FloatArray) -> float:
@@ -448,7 +455,7 @@ def _(f: Asked, rng: Rng) -> None:
         expect.that(apart < 1e3, "The points fly away.", on=on, yours=f"as far as {apart:.3g}")
     # The error is squared in each step: 0.6, 0.2, 0.02, 2e-4, 4e-8, 1e-15, whatever the constant is near 1.
     expect.close(
-        x, p, 1e-9, "The points after 8 steps", on=on, picture=pictures.of_alignment(p, x, *steps[-1])
+        x, p, 1e-9, "The points after 8 steps", on=on, shown=pictures.Positions(q, None, item="point")
     )
 
 

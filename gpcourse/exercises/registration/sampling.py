@@ -521,7 +521,8 @@ def _(f: Asked, rng: Rng) -> None:
         zeros = int(np.count_nonzero(np.abs(values) < 1e-8 * np.abs(values).max()))
         if zeros != count:
             raise expect.Wrong(
-                f"{zeros} eigenvalues are zero; {name} slips in {count} independent motions.",
+                f"{zeros} eigenvalues are zero: not as many as {name} has independent slipping motions.",
+                told=f"{zeros} eigenvalues are zero; {name} slips in {count} independent motions.",
                 yours=expect.brief(values.round(6)),
                 on=name,
                 picture=pictures.of_sample(surface.points, np.arange(0), name),
@@ -538,21 +539,17 @@ def _(f: Asked, rng: Rng) -> None:
         values, motions = _analysis(answer, name)
         # eigh leaves 1e-15; 1e-6 also admits single precision.
         gram = motions.T @ motions
-        expect.close(
-            gram, np.eye(6), 1e-6, "The columns of motions are not orthonormal: motionsᵀ motions", on=name
-        )
+        what = "The columns of motions are not orthonormal: motionsᵀ motions"
+        expect.close(gram, np.eye(6), 1e-6, what, on=name, shown=pictures.Table("motionsᵀ motions"))
         speeds = _speeds(surface, motions)
-        expect.close(
-            (speeds**2).mean(axis=0),
-            values,
-            1e-6,
-            "The mean square of (r × x + t)·n, for each column (r, t) of motions,",
-            on=name,
-        )
+        means = (speeds**2).mean(axis=0)
+        worst = int(np.abs(means - values).argmax())
+        what = "The mean square of (r × x + t)·n, for each column (r, t) of motions,"
+        picture = pictures.of_speeds(surface.points, speeds[:, worst], worst)
+        expect.close(means, values, 1e-6, what, on=name, picture=picture)
         form = speeds.T @ speeds / len(speeds)
-        expect.close(
-            form, np.diag(values), 1e-6, "The form in the basis of motions, which is diagonal,", on=name
-        )
+        what = "The form in the basis of motions, which is diagonal,"
+        expect.close(form, np.diag(values), 1e-6, what, on=name, shown=pictures.Table("the form"))
 
 
 @SLIPPAGE_ANALYSIS.check("neither place nor scale changes the eigenvalues")
@@ -719,7 +716,7 @@ def _(f: Asked, rng: Rng) -> None:
             condition <= usual / BETTER,
             "The sample lets the plate slip: the condition number of its six equations is not much better "
             "than that of random samples.",
-            yours=f"{condition:.3g}",
+            yours=f"{condition:.3g}" if condition < 1e12 else "infinite: the six equations are singular",
             truth=f"random samples have {usual:.3g}; below {usual / BETTER:.3g} is well possible",
             on=on,
             picture=pictures.of_sample(surface.points, chosen),

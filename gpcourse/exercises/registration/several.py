@@ -68,16 +68,7 @@ def _(f: Asked, rng: Rng) -> None:
     for (scale, (source, *_, limit), truth), answer in zip(cases, answers, strict=True):
         on = f"{len(source)} points and 70 points of size {scale:g}, max_distance = {limit:g}"
         mine = mask(answer, len(source), on=on)
-        wrong = np.flatnonzero(mine != truth)
-        if len(wrong):
-            i = int(wrong[0])
-            raise expect.Wrong(
-                f"{len(wrong)} of {len(source)} points are marked wrongly; the first is point {i}.",
-                yours="in the overlap" if mine[i] else "outside",
-                truth="in the overlap" if truth[i] else "outside",
-                on=on,
-                picture=pictures.of_marks(source, mine, truth),
-            )
+        expect.flags(mine, truth, ("in the overlap", "outside"), on=on, shown=pictures.Marks(source))
 
 
 @OVERLAP_MASK.check("all of a scan overlaps with itself, and nothing with a scan far away")
@@ -88,9 +79,10 @@ def _(f: Asked, rng: Rng) -> None:
     itself = f(source, target, R, t, 0.01)
     nothing = f(source, target + 50.0, R, t, 0.5)
     on = "a scan and itself"
-    expect.that(bool(mask(itself, 40, on=on).all()), "Some points are not marked.", on=on)
+    names, shown = ("in the overlap", "outside"), pictures.Marks(source)
+    expect.flags(mask(itself, 40, on=on), np.ones(40, dtype=bool), names, on=on, shown=shown)
     on = "two scans far from each other"
-    expect.that(not mask(nothing, 40, on=on).any(), "Some points are marked.", on=on)
+    expect.flags(mask(nothing, 40, on=on), np.zeros(40, dtype=bool), names, on=on, shown=shown)
 
 
 @OVERLAP_MASK.variant("point by point, as 0 and 1")
@@ -254,16 +246,13 @@ def _expect_poses(
     for i, (a, b, scan) in enumerate(zip(mine, want, scans, strict=True)):
         off = angle_between(a[0], b[0])
         shift = float(np.linalg.norm(moved(scan, *a) - moved(scan, *b), axis=1).max())
-        picture = pictures.of_alignment(
-            np.concatenate([moved(s, *pose) for s, pose in zip(scans, want, strict=True)]), scan, *a
-        )
         if not (off <= angle and shift <= distance):
             raise expect.Wrong(
                 f"The pose of scan {i} is not right.",
                 yours=f"{np.degrees(off):.3g}° and {shift:.3g} off",
                 truth=f"within {np.degrees(angle):.2g}° and {distance:.2g}",
                 on=on,
-                picture=picture,
+                **pictures.of_scans(scans, mine, want, i),
             )
 
 

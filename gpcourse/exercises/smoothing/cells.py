@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
 from gpcourse.exercises.smoothing import expecting, truths
@@ -103,7 +103,9 @@ def _declare_total(exercise: Exercise) -> None:
             mine = expect.array(value, (len(shape.vertices),), "The array of areas", on=on)
             total = float(truths.face_areas(shape.vertices, faces_of(shape)).sum())
             size = max(total, float(np.abs(mine).max()))
-            expect.close(float(mine.sum()), total, SINGLE * size, "The sum of the cells", on=on)
+            picture = pictures.of_own(shape.vertices, faces_of(shape), mine, "area of a cell")
+            what = "The sum of the cells"
+            expect.close(float(mine.sum()), total, SINGLE * size, what, on=on, picture=picture)
 
 
 # Barycentric ------------------------------------------------------------------------------------
@@ -451,7 +453,8 @@ def _(f: Asked, rng: Rng) -> None:
     for_all = [(closed(rng), "a closed mesh"), (bounded(rng), "a mesh with holes")]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _ in for_all]
     for value, (shape, on) in zip(answers, for_all, strict=True):
-        expecting.matrix(value, np.diag(truths.mixed_areas(shape.vertices, faces_of(shape))), on=on)
+        place = shape.vertices, faces_of(shape)
+        expecting.matrix(value, np.diag(truths.mixed_areas(*place)), *place, on=on)
 
 
 @MASS_MATRIX.check("the cells that are named")
@@ -461,8 +464,9 @@ def _(f: Asked, rng: Rng) -> None:
     answers = [f(shape.vertices, faces_of(shape), cells=name) for name in names]
     for i, (value, name) in enumerate(zip(answers, names, strict=True)):
         f.about = i
-        truth = np.diag(truths.CELLS[name](shape.vertices, faces_of(shape)))
-        expecting.matrix(value, truth, on=f"a mesh with holes and obtuse angles, cells={name!r}")
+        place = shape.vertices, faces_of(shape)
+        truth = np.diag(truths.CELLS[name](*place))
+        expecting.matrix(value, truth, *place, on=f"a mesh with holes and obtuse angles, cells={name!r}")
 
 
 @MASS_MATRIX.check("refuses cells that there are not")

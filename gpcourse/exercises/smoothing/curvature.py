@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
-from gpcourse.exercises.smoothing import expecting, pictures, truths
+from gpcourse.exercises.smoothing import expecting, truths
 from gpcourse.exercises.smoothing.inputs import (
     SINGLE,
     Rng,
@@ -336,7 +336,7 @@ def _(f: Asked, rng: Rng) -> None:
     for value, (shape, chi, on) in zip(answers, for_all, strict=True):
         n = len(shape.vertices)
         mine = expect.array(value, (n,), "The array of defects", on=on)
-        picture = pictures.of_residual(shape.vertices, faces_of(shape), mine, "|defect|")
+        picture = pictures.of_own(shape.vertices, faces_of(shape), mine, "defect")
         expect.close(
             float(mine.sum()), 2 * np.pi * chi, n * SINGLE, "The sum of the defects", on=on, picture=picture
         )
@@ -482,7 +482,7 @@ def _(f: Asked, rng: Rng) -> None:
     for value, (shape, chi, on) in zip(answers, for_all, strict=True):
         n, areas = len(shape.vertices), truths.mixed_areas(shape.vertices, faces_of(shape))
         K = expect.array(value, (n,), "The array of curvatures", on=on)
-        picture = pictures.of_values(shape.vertices, faces_of(shape), K, _gaussian(shape), "K")
+        picture = pictures.of_own(shape.vertices, faces_of(shape), K, "K")
         expect.close(float(areas @ K), 2 * np.pi * chi, n * SINGLE, "The sum of A K", on=on, picture=picture)
 
 
@@ -688,7 +688,7 @@ _FACE_KEYS = ("smallest_angle", "aspect_ratio", "radius_ratio")
 
 def _expect_quality(f: Asked, inputs: list[tuple[FloatArray, IntArray, dict[str, Any], str]]) -> None:
     answers = [f(vertices, faces) for vertices, faces, _, _ in inputs]
-    for value, (_, _, truth, on) in zip(answers, inputs, strict=True):
+    for value, (vertices, faces, truth, on) in zip(answers, inputs, strict=True):
         expect.that(value is not None, "The result is None: is a `return` missing?", on=on)
         is_dict = isinstance(value, dict)
         message = f"The result should be a dict; it is a {type(value).__name__}."
@@ -698,7 +698,9 @@ def _expect_quality(f: Asked, inputs: list[tuple[FloatArray, IntArray, dict[str,
         for key, known in truth.items():
             want = np.asarray(known, dtype=float)
             mine = expect.array(value[key], want.shape, f'"{key}"', on=on)
-            expect.close(mine, want, SINGLE * np.abs(want).max(), f'"{key}"', on=on)
+            item = "vertex" if key == "valence" else "face"
+            shown = pictures.Field(vertices, faces, key, item=item)
+            expect.close(mine, want, SINGLE * np.abs(want).max(), f'"{key}"', on=on, shown=shown)
 
 
 @MESH_QUALITY.check("an equilateral triangle: 60°, and both ratios 1")

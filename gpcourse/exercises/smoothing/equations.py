@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
-from gpcourse.exercises.smoothing import expecting, pictures, truths
+from gpcourse.exercises.smoothing import expecting, truths
 from gpcourse.exercises.smoothing.inputs import (
     ITERATED,
     SINGLE,
@@ -66,9 +66,7 @@ def _(f: Asked, rng: Rng) -> None:
     on = "a square with random values at its boundary"
     mine = expect.array(rough, (len(x),), "f", on=on)
     beyond = np.maximum(mine - noise.max(), noise.min() - mine)
-    picture = pictures.of_residual(
-        square.vertices, faces_of(square), np.maximum(beyond, 0), "beyond the given"
-    )
+    picture = pictures.of_own(square.vertices, faces_of(square), np.maximum(beyond, 0), "beyond the given")
     message = "Away from the given values, f goes beyond the largest or the smallest of them."
     expect.that(float(beyond.max()) <= SOLVED, message, on=on, picture=picture)
 
@@ -81,13 +79,17 @@ def _(f: Asked, rng: Rng) -> None:
     fixed = rng.permutation(n)[:7]
     given = rng.normal(size=(7, 3))
     mine = expect.array(f(C, fixed, given), (n, 3), "f", on=on)
-    expect.close(mine[fixed], given, SINGLE * 5, "The value at a given vertex", on=on)
+    kept = np.zeros((n, 3))
+    kept[fixed] = mine[fixed] - given
+    place = shape.vertices, faces_of(shape)
+    shown = pictures.Field(*place, "|f − given|", mine)
+    expect.close(kept, 0.0, SINGLE * 5, "f minus the given value at a given vertex", on=on, shown=shown)
     free = np.setdiff1d(np.arange(n), fixed)
     residual = np.zeros((n, 3))
     residual[free] = (C @ mine)[free]
     size = float(abs(C).max()) * max(1.0, float(np.abs(mine).max()))
-    picture = pictures.of_residual(shape.vertices, faces_of(shape), residual, "|Cf|")
-    expect.close(residual, 0.0, SOLVED * size, "Cf", on=on, picture=picture)
+    shown = pictures.Field(*place, "|Cf|", mine, "|f|")
+    expect.close(residual, 0.0, SOLVED * size, "Cf", on=on, shown=shown)
 
 
 def _parts(C: Any, boundary: IntArray) -> tuple[FloatArray, IntArray]:
@@ -242,12 +244,16 @@ def _(f: Asked, rng: Rng) -> None:
     fixed, given = rng.permutation(n)[:5], rng.normal(size=5)
     g = rng.normal(size=n) / M.diagonal().mean()
     mine = expect.array(f(C, M, g, fixed, given), (n,), "f", on=on)
-    expect.close(mine[fixed], given, 5 * SINGLE, "The value at a given vertex", on=on)
+    kept = np.zeros(n)
+    kept[fixed] = mine[fixed] - given
+    place = shape.vertices, faces_of(shape)
+    shown = pictures.Field(*place, "f − given", mine)
+    expect.close(kept, 0.0, SINGLE * 5, "f minus the given value at a given vertex", on=on, shown=shown)
     residual = C @ mine - M @ g
     residual[fixed] = 0.0
     size = float(abs(C).max()) * max(1.0, float(np.abs(mine).max()))
-    picture = pictures.of_residual(shape.vertices, faces_of(shape), residual, "|Cf − Mg|")
-    expect.close(residual, 0.0, SOLVED * size, "Cf − Mg", on=on, picture=picture)
+    shown = pictures.Field(*place, "Cf − Mg", mine, "f")
+    expect.close(residual, 0.0, SOLVED * size, "Cf − Mg", on=on, shown=shown)
 
 
 @SOLVE_POISSON.check("refuses a right-hand side whose integral over a closed surface is not zero")
@@ -430,11 +436,9 @@ def _(f: Asked, rng: Rng) -> None:
         mine = expect.array(value, (n, 2), "f′", on=on)
         residual = (M @ (mine - start) - t * (C @ mine)) / areas.mean()
         size = (float(areas.max()) + t * float(abs(C).max())) / areas.mean()
-        picture = pictures.of_residual(shape.vertices, faces_of(shape), residual, "residual")
         what = "(M − tC)f′ − Mf"
-        expect.close(
-            residual, 0.0, ITERATED * size * max(1.0, np.abs(mine).max()), what, on=on, picture=picture
-        )
+        shown = pictures.Field(shape.vertices, faces_of(shape), f"|{what}|", mine, "|f′|")
+        expect.close(residual, 0.0, ITERATED * size * max(1.0, np.abs(mine).max()), what, on=on, shown=shown)
 
 
 @HEAT_STEP.check("what is hottest cools: nothing beyond the extremes before, on a square")
@@ -445,7 +449,7 @@ def _(f: Asked, rng: Rng) -> None:
     on = "a square of right triangles"
     mine = expect.array(f(C, M, start, 0.5), start.shape, "f′", on=on)
     beyond = np.maximum(mine - start.max(), start.min() - mine)
-    picture = pictures.of_residual(square.vertices, faces_of(square), np.maximum(beyond, 0), "beyond")
+    picture = pictures.of_own(square.vertices, faces_of(square), np.maximum(beyond, 0), "beyond")
     message = "After the step there are values beyond the largest or the smallest before it."
     expect.that(float(beyond.max()) <= ITERATED, message, on=on, picture=picture)
 

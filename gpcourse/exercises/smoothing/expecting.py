@@ -6,17 +6,25 @@ from typing import Any
 
 import numpy as np
 
-from gpcourse.exercises import expect
-from gpcourse.exercises.smoothing import pictures
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.smoothing.inputs import SINGLE, faces_of
 from gpcourse.geometry import shapes
-from gpcourse.geometry.arrays import BoolArray, FloatArray
+from gpcourse.geometry.arrays import BoolArray, FloatArray, IntArray
 
 
-def matrix(value: object, truth: FloatArray, what: str = "The matrix", *, on: str = "") -> None:
-    """Expect a matrix, sparse or dense, that equals `truth` entry by entry."""
-    mine = expect.array(value, truth.shape, what, on=on)
-    expect.close(mine, truth, SINGLE * np.abs(truth).max(), what, on=on)
+def matrix(value: object, truth: FloatArray, vertices: FloatArray, faces: IntArray, *, on: str = "") -> None:
+    """Expect a matrix over the vertices of a mesh, sparse or dense, that equals `truth` entry by entry."""
+    mine = expect.array(value, truth.shape, "The matrix", on=on)
+    tolerance = SINGLE * np.abs(truth).max()
+    if not (off_diagonal(mine).any() or off_diagonal(truth).any()):
+        shown = pictures.Field(vertices, faces, "the diagonal")
+        expect.close(mine.diagonal(), truth.diagonal(), tolerance, "The diagonal", on=on, shown=shown)
+    expect.close(mine, truth, tolerance, "The matrix", on=on, shown=pictures.Rows(vertices, faces))
+
+
+def off_diagonal(matrix: FloatArray) -> FloatArray:
+    """Return the matrix with zeros on its diagonal."""
+    return np.where(np.eye(len(matrix), dtype=bool), 0.0, matrix)
 
 
 def values(
@@ -38,19 +46,16 @@ def values(
         away = ~only if truth.ndim == 1 else np.repeat(~only[:, None], truth.shape[1], axis=1)
         mine = np.where(away, truth, mine)
     size = float(np.abs(truth).max()) if scale is None else scale
-    shown = (shape.vertices, faces_of(shape), mine, truth, what.removeprefix("The "))
-    picture, handout = pictures.of_values(*shown), pictures.of_own_values(*shown)
-    expect.close(mine, truth, SINGLE * size, what, on=on, picture=picture, handout=handout)
+    shown = pictures.Field(shape.vertices, faces_of(shape), what.removeprefix("The "))
+    expect.close(mine, truth, SINGLE * size, what, on=on, shown=shown)
 
 
 def positions(value: object, truth: FloatArray, shape: shapes.Shape, *, on: str) -> None:
     """Expect the vertices of `shape` at new positions."""
     mine = expect.array(value, truth.shape, "The array of positions", on=on)
     size = float(np.ptp(shape.vertices, axis=0).max()) + 1e-2 * float(np.abs(shape.vertices).max())
-    picture = pictures.of_positions(shape.vertices, mine, truth, faces_of(shape))
-    handout = pictures.of_own_positions(shape.vertices, mine, faces_of(shape))
-    what = "The position of a vertex"
-    expect.close(mine, truth, SINGLE * size, what, on=on, picture=picture, handout=handout)
+    shown = pictures.Positions(shape.vertices, faces_of(shape))
+    expect.close(mine, truth, SINGLE * size, "The positions", on=on, shown=shown)
 
 
 def pair(value: Any, what: str, *, on: str = "") -> tuple[Any, Any]:

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
-from gpcourse.exercises.smoothing import pictures, truths
+from gpcourse.exercises.smoothing import truths
 from gpcourse.exercises.smoothing.inputs import (
     SINGLE,
     Rng,
@@ -340,14 +340,6 @@ def _line(t: FloatArray, left: float, right: float) -> FloatArray:
     return np.asarray(left + (right - left) * (t - t[0]) / (t[-1] - t[0]))
 
 
-def _string(t: FloatArray, values: FloatArray) -> Any:
-    """Show a curve in the plane beside the straight line."""
-    from gpcourse.view import curves_scene
-
-    mine, line = np.column_stack([t, values]), np.column_stack([t, _line(t, values[0], values[-1])])
-    return curves_scene([mine, line], colours=("orange", "blue"), title="yours, and the least energy")
-
-
 def _expect_string(value: object, t: FloatArray, left: float, right: float, on: str) -> None:
     mine = expect.array(value, (len(t),), "The array of values", on=on)
     size = 5 * max(abs(left), abs(right), 1.0)
@@ -355,7 +347,7 @@ def _expect_string(value: object, t: FloatArray, left: float, right: float, on: 
     expect.close(ends, 0.0, SOLVED * size, "The distance to the given value at an end", on=on)
     # f″ = 0: the slopes of all intervals are the same.
     what = "f, which should be straight,"
-    expect.close(mine, _line(t, left, right), SOLVED * size, what, on=on, picture=lambda: _string(t, mine))
+    expect.close(mine, _line(t, left, right), SOLVED * size, what, on=on, shown=pictures.Graph(t))
 
 
 @EULER_LAGRANGE_1D.check("in equal steps, equal differences")
@@ -388,7 +380,8 @@ def _(f: Asked, rng: Rng) -> None:
     message = "There is a function with the same ends and less energy."
     yours, truth = f"energy {energy:.6g}", f"energy {least:.6g}"
     slack = SOLVED * (1 + abs(least))
-    expect.that(energy <= least + slack, message, yours=yours, truth=truth, picture=lambda: _string(t, mine))
+    picture = pictures.of_graph(t, mine)
+    expect.that(energy <= least + slack, message, yours=yours, truth=truth, picture=picture)
 
 
 @EULER_LAGRANGE_1D.variant("interpolation between the ends, in single precision")
@@ -501,6 +494,16 @@ def _power(vertices: FloatArray, faces: IntArray, order: int) -> FloatArray:
     return np.asarray(C @ np.linalg.matrix_power(truths.laplacian(vertices, faces), order - 1))
 
 
+def _expect_fixed(
+    mine: FloatArray, before: FloatArray, faces: IntArray, fixed: IntArray, tolerance: float, on: str
+) -> None:
+    """Expect that the fixed vertices are where they were."""
+    moved = np.zeros_like(before)
+    moved[fixed] = mine[fixed] - before[fixed]
+    shown = pictures.Field(before, faces, "how far a fixed vertex moved")
+    expect.close(moved, 0.0, tolerance, "How far a fixed vertex moved", on=on, shown=shown)
+
+
 def _expect_fair(f: Asked, rng: Rng, orders: tuple[int, ...]) -> None:
     asked = []
     for order in orders:
@@ -511,11 +514,10 @@ def _expect_fair(f: Asked, rng: Rng, orders: tuple[int, ...]) -> None:
         mine = expect.array(value, shape.vertices.shape, "The array of positions", on=on)
         size = float(np.ptp(shape.vertices, axis=0).max()) + float(np.abs(shape.vertices).max())
         truth = _faired(shape.vertices, faces_of(shape), fixed, order)
-        picture = pictures.of_positions(shape.vertices, mine, truth, faces_of(shape))
-        message = "The position of a fixed vertex"
-        expect.close(mine[fixed], shape.vertices[fixed], SINGLE * size, message, on=on, picture=picture)
+        _expect_fixed(mine, shape.vertices, faces_of(shape), fixed, SINGLE * size, on)
+        shown = pictures.Positions(shape.vertices, faces_of(shape))
         # The condition numbers stay below 1e3.
-        expect.close(mine, truth, SOLVED * size, f"Δ^{order} x = 0: a position", on=on, picture=picture)
+        expect.close(mine, truth, SOLVED * size, f"The positions, by Δ^{order} x = 0", on=on, shown=shown)
 
 
 def _faired(vertices: FloatArray, faces: IntArray, fixed: IntArray, order: int, K: Any = None) -> FloatArray:
@@ -538,19 +540,17 @@ def _(f: Asked, rng: Rng) -> None:
     on = "a bumpy sheet in a flat frame, order 1"
     value = f(vertices, faces_of(shape), fixed, 1)
     mine = expect.array(value, vertices.shape, "The array of positions", on=on)
-    truth = _faired(vertices, faces_of(shape), fixed, 1)
-    picture = pictures.of_positions(vertices, mine, truth, faces_of(shape))
-    what = "The position of a fixed vertex"
-    expect.close(mine[fixed], vertices[fixed], SINGLE * size, what, on=on, picture=picture)
-    heights = mine @ normal
-    expect.close(
-        heights, 0.0, SOLVED * size, "The height over the plane of the frame", on=on, picture=picture
-    )
+    _expect_fixed(mine, vertices, faces_of(shape), fixed, SINGLE * size, on)
+    shown = pictures.Field(mine, faces_of(shape), "height")
+    what = "The height over the plane of the frame"
+    expect.close(mine @ normal, 0.0, SOLVED * size, what, on=on, shown=shown)
     C = truths.stiffness(vertices, faces_of(shape))
     free = np.setdiff1d(np.arange(len(vertices)), fixed)
-    residual = (C @ mine)[free]
+    residual = np.zeros_like(mine)
+    residual[free] = (C @ mine)[free]
     bound = SOLVED * float(np.abs(C).max()) * max(size, float(np.abs(mine).max()))
-    expect.close(residual, 0.0, bound, "Cx at a free vertex", on=on, picture=picture)
+    shown = pictures.Field(mine, faces_of(shape), "|Cx|")
+    expect.close(residual, 0.0, bound, "Cx at a free vertex", on=on, shown=shown)
 
 
 @FAIR.check("membrane and thin plate: Δᵏx = 0 where nothing is fixed", points=2)
@@ -573,11 +573,9 @@ def _(f: Asked, rng: Rng) -> None:
     on = "a sheet with bumps in the middle, order 2"
     value = f(vertices, faces_of(shape), fixed, 2)
     mine = expect.array(value, vertices.shape, "The array of positions", on=on)
-    truth = _faired(vertices, faces_of(shape), fixed, 2)
-    picture = pictures.of_positions(vertices, mine, truth, faces_of(shape))
-    what = "The position of a fixed vertex"
-    expect.close(mine[fixed], vertices[fixed], SINGLE * size, what, on=on, picture=picture)
-    expect.close(mine @ normal, 0.0, 10 * SOLVED * size, "The height over the plane", on=on, picture=picture)
+    _expect_fixed(mine, vertices, faces_of(shape), fixed, SINGLE * size, on)
+    shown = pictures.Field(mine, faces_of(shape), "height")
+    expect.close(mine @ normal, 0.0, 10 * SOLVED * size, "The height over the plane", on=on, shown=shown)
 
 
 def _indices(vertices: FloatArray, fixed: Any) -> IntArray:

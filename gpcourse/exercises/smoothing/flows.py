@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
-from gpcourse.exercises.smoothing import expecting, pictures, truths
+from gpcourse.exercises.smoothing import expecting, truths
 from gpcourse.exercises.smoothing.inputs import (
     ITERATED,
     SINGLE,
@@ -306,8 +306,9 @@ def _(f: Asked, rng: Rng) -> None:
         residual = (M @ (mine - shape.vertices) - lam * (C @ mine)) / areas.mean()
         size = (float(areas.max()) + lam * float(abs(C).max())) / areas.mean()
         size *= max(float(np.abs(shape.vertices).max()), float(np.abs(mine).max()))
-        picture = pictures.of_residual(shape.vertices, faces_of(shape), residual, "residual")
-        expect.close(residual, 0.0, ITERATED * size, "(M − λC)P′ − MP", on=on, picture=picture)
+        what = "(M − λC)P′ − MP"
+        shown = pictures.Field(mine, faces_of(shape), f"|{what}|")
+        expect.close(residual, 0.0, ITERATED * size, what, on=on, shown=shown)
 
 
 @IMPLICIT_STEP.check("the centre of a closed surface stays, however far from the origin")
@@ -319,7 +320,7 @@ def _(f: Asked, rng: Rng) -> None:
     on = "a closed mesh far from the origin"
     mine = expect.array(value, shape.vertices.shape, "The array of positions", on=on)
     before, after = (areas @ x / areas.sum() for x in (shape.vertices, mine))
-    picture = pictures.of_positions(shape.vertices, mine, shape.vertices, faces_of(shape))
+    picture = pictures.of_before_and_after(shape.vertices, mine, faces_of(shape))
     size = 10 * max(float(np.abs(shape.vertices).max()), float(np.abs(mine).max()))
     expect.close(after, before, ITERATED * size, "The centre of the surface", on=on, picture=picture)
 
@@ -338,10 +339,8 @@ def _(f: Asked, rng: Rng) -> None:
         on = f'a mesh with holes, solver="{solver}"'
         mine = expect.array(value, truth.shape, "The array of positions", on=on)
         size = float(np.ptp(shape.vertices, axis=0).max())
-        picture = pictures.of_positions(shape.vertices, mine, truth, faces_of(shape))
-        handout = pictures.of_own_positions(shape.vertices, mine, faces_of(shape))
-        what = "The position of a vertex"
-        expect.close(mine, truth, ITERATED * size, what, on=on, picture=picture, handout=handout)
+        shown = pictures.Positions(shape.vertices, faces_of(shape))
+        expect.close(mine, truth, ITERATED * size, "The positions", on=on, shown=shown)
 
 
 @IMPLICIT_STEP.check("refuses a solver that there is not")
@@ -688,7 +687,7 @@ def _(f: Asked, rng: Rng) -> None:
         on = f"a bumpy sphere, steps={steps}, keep_volume=True"
         mine = expect.array(value, bumpy.shape, "The array of positions", on=on)
         truth = _flow(bumpy, faces, lam, steps, keep=False, volume=True)
-        own = pictures.of_own_positions(bumpy, mine, faces)
+        own = pictures.of_before_and_after(bumpy, mine, faces)
         expect.close(_volume(mine, faces), start, 100 * SOLVED * start, "The volume", on=on, picture=own)
         # Whichever centre it is scaled about: that moves the surface, and by little.
         moved = mine.mean(axis=0) - bumpy.mean(axis=0)

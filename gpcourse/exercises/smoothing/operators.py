@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
-from gpcourse.exercises.smoothing import expecting, pictures, truths
+from gpcourse.exercises.smoothing import expecting, truths
 from gpcourse.exercises.smoothing.inputs import (
     SINGLE,
     Rng,
@@ -41,21 +41,23 @@ UNIFORM_LAPLACIAN = Exercise(
 )
 
 
-def _expect_uniform(f: Asked, inputs: list[tuple[IntArray, int, str]]) -> None:
-    answers = [f(faces, n) for faces, n, _ in inputs]
-    for value, (faces, n, on) in zip(answers, inputs, strict=True):
-        expecting.matrix(value, truths.mean_of_neighbours(faces, n), on=on)
+def _expect_uniform(f: Asked, inputs: list[tuple[IntArray, FloatArray, str]]) -> None:
+    """The function is asked for the faces only; the positions are for the picture."""
+    answers = [f(faces, len(vertices)) for faces, vertices, _ in inputs]
+    for value, (faces, vertices, on) in zip(answers, inputs, strict=True):
+        expecting.matrix(value, truths.mean_of_neighbours(faces, len(vertices)), vertices, faces, on=on)
 
 
 @UNIFORM_LAPLACIAN.check("each row is the mean over the neighbours minus the vertex itself", points=2)
 def _(f: Asked, rng: Rng) -> None:
     shape = closed(rng)
     tetrahedron = np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]])
+    corners = np.array([[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.4, 0.4, 1.0]])
     _expect_uniform(
         f,
         [
-            (tetrahedron, 4, "a tetrahedron"),
-            (faces_of(shape), len(shape.vertices), "a closed mesh with vertices of valence 3 and more"),
+            (tetrahedron, corners, "a tetrahedron"),
+            (faces_of(shape), shape.vertices, "a closed mesh with vertices of valence 3 and more"),
         ],
     )
 
@@ -66,8 +68,8 @@ def _(f: Asked, rng: Rng) -> None:
     _expect_uniform(
         f,
         [
-            (np.array([[2, 0, 1]]), 3, "a single triangle"),
-            (faces_of(shape), len(shape.vertices), "a mesh with holes"),
+            (np.array([[2, 0, 1]]), np.eye(3), "a single triangle"),
+            (faces_of(shape), shape.vertices, "a mesh with holes"),
         ],
     )
 
@@ -75,8 +77,10 @@ def _(f: Asked, rng: Rng) -> None:
 @UNIFORM_LAPLACIAN.check("several components, and isolated vertices have a row of zeros")
 def _(f: Asked, rng: Rng) -> None:
     shape = apart(rng)
-    faces, n, _ = with_isolated(faces_of(shape), len(shape.vertices), rng)
-    _expect_uniform(f, [(faces, n, "two components and three isolated vertices")])
+    faces, n, isolated = with_isolated(faces_of(shape), len(shape.vertices), rng)
+    vertices = np.tile(shape.vertices.max(axis=0), (n, 1))
+    vertices[np.setdiff1d(np.arange(n), isolated)] = shape.vertices
+    _expect_uniform(f, [(faces, vertices, "two components and three isolated vertices")])
 
 
 def _adjacency(faces: IntArray, n: int) -> FloatArray:
@@ -227,9 +231,9 @@ def _(f: Asked, rng: Rng) -> None:
     C = expect.array(value, (len(flat.vertices), len(flat.vertices)), "The matrix", on=on)
     expect.that(np.abs(C).max() > 0.1, "The matrix is zero, or nearly so.", on=on)
     residual = np.where(inside(flat), C @ (flat.vertices @ slope), 0.0)
-    picture = pictures.of_residual(flat.vertices, faces, residual, "|Cu|")
+    shown = pictures.Field(flat.vertices, faces, "Cu", flat.vertices @ slope, "u, which is linear")
     size = float(np.abs(C).max() * np.linalg.norm(slope))
-    expect.close(residual, 0.0, 4 * SINGLE * size, "Cu of a linear u", on=on, picture=picture)
+    expect.close(residual, 0.0, 4 * SINGLE * size, "Cu of a linear u", on=on, shown=shown)
 
 
 @COTANGENT_MATRIX.check("symmetric, rows that sum to zero, no positive eigenvalue")
@@ -240,9 +244,11 @@ def _(f: Asked, rng: Rng) -> None:
     expect.that(np.abs(C).max() > 0.1, "The matrix is zero, or nearly so.", on=on)
     tolerance = 8 * SINGLE * float(np.abs(C).max())
     rows = C.sum(axis=1)
-    picture = pictures.of_residual(shape.vertices, faces_of(shape), rows, "|row sum|")
-    expect.close(rows, 0.0, tolerance, "The row sums", on=on, picture=picture)
-    expect.close(C - C.T, 0.0, tolerance, "The difference of C and its transpose", on=on)
+    place = shape.vertices, faces_of(shape)
+    shown = pictures.Field(*place, "the sum of a row")
+    expect.close(rows, 0.0, tolerance, "The row sums", on=on, shown=shown)
+    what = "The difference of C and its transpose"
+    expect.close(C - C.T, 0.0, tolerance, what, on=on, shown=pictures.Rows(*place, "C − Cᵀ"))
     largest = float(np.linalg.eigvalsh((C + C.T) / 2)[-1])
     expect.close(max(largest, 0.0), 0.0, tolerance, "The largest eigenvalue", on=on)
 
@@ -264,8 +270,8 @@ def _(f: Asked, rng: Rng) -> None:
         middle = shape.vertices - shape.vertices.mean(axis=0)
         pull, truth = C @ middle, -truths.area_gradient(shape.vertices, faces)
         size = max(float(np.abs(C).max() * np.abs(middle).max()), float(np.abs(truth).max()))
-        picture = pictures.of_values(shape.vertices, faces, pull, truth, "|Cx|")
-        expect.close(pull, truth, 8 * SINGLE * size, "Cx", on=on, picture=picture)
+        shown = pictures.Field(shape.vertices, faces, "|Cx|")
+        expect.close(pull, truth, 8 * SINGLE * size, "Cx", on=on, shown=shown)
 
 
 @COTANGENT_MATRIX.check("turning, moving and scaling the mesh leave the matrix as it is")
@@ -277,7 +283,8 @@ def _(f: Asked, rng: Rng) -> None:
     names = ["of size 1 at the origin", "turned and moved", "100 times as large", "100 times as small"]
     answers = [f(s.vertices, faces_of(s)) for s in placed]
     for value, on in zip(answers, names, strict=True):
-        expecting.matrix(value, truths.stiffness(start.vertices, faces_of(start)), on=f"a mesh {on}")
+        place = start.vertices, faces_of(start)
+        expecting.matrix(value, truths.stiffness(*place), *place, on=f"a mesh {on}")
 
 
 def _from_weights(vertices: FloatArray, faces: IntArray, weights: FloatArray) -> FloatArray:
@@ -492,7 +499,8 @@ def _(f: Asked, rng: Rng) -> None:
     for_all = [(bounded(rng), "a mesh with holes and obtuse angles"), (closed(rng), "a closed mesh")]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _ in for_all]
     for value, (shape, on) in zip(answers, for_all, strict=True):
-        expecting.matrix(value, truths.laplacian(shape.vertices, faces_of(shape)), on=on)
+        place = shape.vertices, faces_of(shape)
+        expecting.matrix(value, truths.laplacian(*place), *place, on=on)
 
 
 @LAPLACIAN.check("the cells that are named")
@@ -502,8 +510,9 @@ def _(f: Asked, rng: Rng) -> None:
     answers = [f(shape.vertices, faces_of(shape), cells=name) for name in names]
     for i, (value, name) in enumerate(zip(answers, names, strict=True)):
         f.about = i
-        truth = truths.laplacian(shape.vertices, faces_of(shape), name)
-        expecting.matrix(value, truth, on=f"a mesh with holes and obtuse angles, cells={name!r}")
+        place = shape.vertices, faces_of(shape)
+        truth = truths.laplacian(*place, name)
+        expecting.matrix(value, truth, *place, on=f"a mesh with holes and obtuse angles, cells={name!r}")
 
 
 @LAPLACIAN.variant("a dense matrix, its rows divided")

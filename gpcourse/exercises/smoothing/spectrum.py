@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, pictures
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.exercises.judging import Asked
-from gpcourse.exercises.smoothing import expecting, pictures, truths
+from gpcourse.exercises.smoothing import expecting, truths
 from gpcourse.exercises.smoothing.inputs import (
     SINGLE,
     Rng,
@@ -68,12 +68,15 @@ def _(f: Asked, rng: Rng) -> None:
     expect.close(frequencies, np.sort(frequencies), MODES * size, "The frequencies, sorted,", on=on)
     expect.close(frequencies, truth[:k], MODES * size, "The frequencies", on=on)
     products = phi.T @ (M @ phi)
-    expect.close(products, np.eye(k), MODES, "The inner products φᵀMφ", on=on)
+    shown: pictures.Shown = pictures.Modes(shape.vertices, faces_of(shape), phi, M.diagonal())
+    expect.close(products, np.eye(k), MODES, "The inner products φᵀMφ", on=on, shown=shown)
     residual = (C @ phi) / M.diagonal()[:, None] + phi * frequencies
     # Pointwise the fastest frequency, up to some 100 times this, has its part in the rounding.
     scale = float(np.abs(phi).max()) * float(truth[-1])
-    picture = pictures.of_residual(shape.vertices, faces_of(shape), residual, "|Δφ + ωφ|")
-    expect.close(residual, 0.0, MODES * scale, "Δφ + ωφ", on=on, picture=picture)
+    for i in range(k):
+        shown = pictures.Field(shape.vertices, faces_of(shape), "Δφ + ωφ", phi[:, i], f"your mode {i}")
+        what = f"Δφ + ωφ for mode {i}"
+        expect.close(residual[:, i], 0.0, MODES * scale, what, on=on, shown=shown)
 
 
 @EIGENMODES.check("a rectangle that keeps its heat has the frequencies of its cosines")

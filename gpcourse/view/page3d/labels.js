@@ -74,7 +74,7 @@ const candidates = ({ l, i, x, y, size }, w, h, middle, look, project) => {
 /* On a surface and on white paper: dark letters with a white rim; on dark paper the other way round. */
 const stamp = (pen, [x, y], { l, i, text, size, faint }, w, h, light) => {
   const colour = l.colours[i % l.colours.length];
-  pen.globalAlpha = faint ? 0.45 : 1;
+  pen.globalAlpha = faint ? 0.7 : 1;
   if (l.place === "badge") {
     pen.beginPath(); pen.arc(x, y, Math.max(w + 1.5, 0.85 * size), 0, 2 * Math.PI);
     pen.fillStyle = "#fff"; pen.fill(); pen.strokeStyle = colour; pen.lineWidth = 1.6; pen.stroke();

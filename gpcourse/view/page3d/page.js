@@ -123,9 +123,9 @@ const boot = async (kept) => {
     }
     const v = layer.values ? values(layer.values) : null, onFaces = layer.on === "faces";
     const m = triangles.length, X = new Float32Array(3 * m), N = new Float32Array(3 * m), C = new Float32Array(3 * m), V = new Float32Array(m);
-    const plain = rgb(layer.colour), palette = (layer.palette || []).map(rgb), painted = layer.painted ? numbers(layer.painted) : null;
+    const plain = rgb(layer.colour), palette = (layer.palette || []).map(rgb), painted = layer.painted ? numbers(layer.painted) : null, blended = layer.blended ? numbers(layer.blended) : null;
     for (let c = 0; c < m; c++) {
-      const i = triangles[c], f = owner[(c / 3) | 0], paint = painted ? palette[painted[f]] : plain;
+      const i = triangles[c], f = owner[(c / 3) | 0], paint = painted ? palette[painted[f]] : blended ? [0, 1, 2].map((d) => blended[3 * i + d] / 255) : plain;
       for (let d = 0; d < 3; d++) { X[3 * c + d] = at[3 * i + d]; N[3 * c + d] = normal[3 * i + d]; C[3 * c + d] = paint[d]; }
       if (v) V[c] = v[onFaces ? f : i];
     }
@@ -201,7 +201,7 @@ const boot = async (kept) => {
     const MARGIN = panel.layers.some((l) => l.texts && l.texts.length) ? 25 : 8;  // numbers lie around what they name
     const w = Math.max(cell.w - bar - 2 * MARGIN, 20), h = Math.max(cell.h - TOP - 2 * MARGIN, 20);
     const k = Math.min(w / (2 * camera.half[0]), h / (2 * camera.half[1])) * state.zoom;
-    return { axes: times(state.turn, camera.axes), focus: camera.focus, k, cx: cell.x + MARGIN + w / 2 + state.pan[0], cy: cell.y + TOP + MARGIN + h / 2 + state.pan[1], reach: 2 * camera.reach, w, h, bar };
+    return { axes: times(state.turn, camera.axes), focus: camera.focus, k, cx: cell.x + MARGIN + w / 2 + state.pan[0], cy: cell.y + TOP + MARGIN + h / 2 + state.pan[1], reach: 2 * camera.reach, w, h, bar, top: TOP };
   };
   const project = (x, i, look) => {
     const d = [x[3 * i] - look.focus[0], x[3 * i + 1] - look.focus[1], x[3 * i + 2] - look.focus[2]], A = look.axes;
@@ -236,7 +236,7 @@ const boot = async (kept) => {
     cells().forEach((cell, i) => {
       const look = view(i, cell), panel = panels[i];
       gl.viewport((look.cx - cell.w / 2) * ratio, (H - look.cy - cell.h / 2) * ratio, cell.w * ratio, cell.h * ratio);
-      gl.scissor(cell.x * ratio, (H - cell.y - cell.h) * ratio, cell.w * ratio, cell.h * ratio);
+      gl.scissor(cell.x * ratio, (H - cell.y - cell.h) * ratio, cell.w * ratio, (cell.h - look.top) * ratio);  // titles stay free
       const meshes = panel.layers.filter((l) => l.kind === "mesh"), lift = dark && !meshes.length ? 0.6 : 0;
       const set = (prog, floats = {}) => {
         prog.use();

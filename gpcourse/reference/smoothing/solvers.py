@@ -83,7 +83,7 @@ def _by_superlu(A: sparse.csr_array) -> Solve:
             options={"SymmetricMode": True},
         )
     except RuntimeError:
-        raise SingularSystemError("the matrix is singular; fix some values, or remove empty rows") from None
+        raise SingularSystemError(_INDEFINITE) from None
     return lambda b: np.asarray(lu.solve(b))
 
 

@@ -218,8 +218,8 @@ TAMPERING = [
         "        except OSError: break\nreturn 6", "crashed", "failed",
     ),
     function("a pickle on every descriptor", "ran()\nimport pickle\nfor fd in range(3, 64):\n    try: os.write(fd, pickle.dumps({'status': 'passed'}))\n    except OSError: pass\nreturn 0", "crashed"),
-    function("a frame that never ends", "ran()\nimport time\nfor fd in range(3, 64):\n    try: os.write(fd, b'gpc1' + (10**6).to_bytes(4, 'little') + bytes(8))\n    except OSError: pass\nwhile True: time.sleep(1)", "timeout"),
-    function("a frame that announces everything", "ran()\nfor fd in range(3, 64):\n    try: os.write(fd, b'gpc1' + b'\\xff' * 12)\n    except OSError: pass\nreturn 2 * x", "crashed"),
+    function("a frame that never ends", "ran()\nimport time\nfor fd in range(3, 64):\n    try: os.write(fd, bytes(13) + b'gpc1' + (10**6).to_bytes(4, 'little') + bytes(8))\n    except OSError: pass\nwhile True: time.sleep(1)", "timeout"),
+    function("a frame that announces everything", "ran()\nfor fd in range(3, 64):\n    try: os.write(fd, bytes(13) + b'gpc1' + b'\\xff' * 12)\n    except OSError: pass\nreturn 2 * x", "crashed"),
     tries("memory of processes", "open('/proc/self/mem', 'rb')", "open('/proc/self/maps')", "open('/proc/self/environ')", "open('/proc/1/cmdline')", "os.listdir('/proc')", "open('/proc/meminfo')"),
     tries("tests and solutions beside the course", "open('COURSE/../tests/grading/hostile/attack.py')", "os.listdir('COURSE/../notebooks')", "open('COURSE/../.git/config')", "os.listdir('COURSE/..')"),
     tries(

@@ -84,6 +84,7 @@ DAMAGED = {
     "helpers of one's own": ("helpers in cells of their own",),
     "a name that is not the asked one": ("a function renamed",),
     "a script": ("a script instead",),
+    "a notebook that is too much for whoever reads it": ("millions of lists", "cells by the ten thousand", "definitions by the thousand", "expressions that are too deep", "a number of a million digits", "a line of two million characters"),
     "damage at random": ("grading/hostile/test_fuzz.py::test_every_damaged_notebook_gets_a_row_and_the_marks_of_what_is_whole",),
 }  # fmt: skip
 

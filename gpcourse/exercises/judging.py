@@ -10,10 +10,10 @@ from __future__ import annotations
 import builtins
 import traceback
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
@@ -25,6 +25,8 @@ from gpcourse.sandbox.values import same
 Outcome = Literal[
     "passed", "failed", "error", "timeout", "crashed", "out of memory", "not attempted", "grader fault"
 ]
+
+Value = TypeVar("Value")
 
 #: ``ask(arguments, options, limit)`` puts one question to the student's function.
 Ask = Callable[[tuple[Any, ...], dict[str, Any], float], Answer]
@@ -62,8 +64,8 @@ class Question:
 class Asked:
     """The callable that a check sees. Calling it returns the student's value, or raises `NoAnswer`.
 
-    A check that asks several questions before it judges sets `about` to the number of the one that it
-    looks at; otherwise the last question is the one that went wrong.
+    A check that asks several questions before it judges looks at their answers with `each`, or sets `about`
+    to the number of the one that it looks at; otherwise the last question is the one that went wrong.
     """
 
     exercise: Exercise
@@ -77,6 +79,12 @@ class Asked:
         if answer.status != "returned":
             raise NoAnswer(answer)
         return answer.value
+
+    def each(self, answers: Sequence[Value], start: int = 0) -> Iterator[Value]:
+        """Yield the answers to the questions from number `start` on, one after the other, to be looked at."""
+        for self.about, value in enumerate(answers, start):
+            yield value
+        self.about = -1
 
     def answer(self, *arguments: Any, **options: Any) -> Answer:
         """Ask, and return all that came of it: for checks that expect an exception."""

@@ -138,7 +138,7 @@ def _(f: Asked, rng: Rng) -> None:
         target, middle = _scans(rng, 100)
         source, want = _displaced(rng, target[rng.choice(100, 75, replace=False)], 0.12, 0.06, middle)
         cases.append((source, target, want, f(source, target, None, 25, 1e-12)))
-    for source, target, want, value in cases:
+    for f.about, (source, target, want, value) in enumerate(cases):
         on = "75 points of 100, turned by 7°"
         # Once all pairs are right the next step is exact.
         _expect_pose(_result(value, 25, on), want, source, target, 1e-6, on)

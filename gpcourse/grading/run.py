@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import tempfile
 import threading
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from gpcourse.errors import UsageError, WorkerError
@@ -17,7 +17,7 @@ from gpcourse.exercises.exercise import Exercise
 from gpcourse.grading import gradebook, reports
 from gpcourse.grading.judge import Report, judge_submission
 from gpcourse.grading.junit import junit as junit_xml
-from gpcourse.grading.submission import Notebook, Submission, read_class
+from gpcourse.grading.submission import Notebook, Owner, Submission, read_class
 from gpcourse.sandbox import confine, home
 from gpcourse.sandbox.line import Line
 from gpcourse.sandbox.lockdown import Level
@@ -42,6 +42,8 @@ class GradeBook:
         The level at which student code was run.
     out, table, page : Path
         The folder that was written, its grades.csv and its index.html.
+    owners, timestamps : mapping
+        By student: whose the submission is by the names of the files; when nbgrader collected it.
     """
 
     reports: tuple[Report, ...]
@@ -50,6 +52,8 @@ class GradeBook:
     seed: int
     out: Path
     confinement: Level
+    owners: Mapping[str, Owner] = field(default_factory=dict)
+    timestamps: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def table(self) -> Path:
@@ -131,7 +135,16 @@ def grade(
             done[report.student] = _slim(report)
             if progress is not None:
                 progress(len(done), len(submissions), report.student)
-    book = GradeBook(tuple(done[s.student] for s in submissions), chosen, exercises, seed, out, limits.least)
+    book = GradeBook(
+        tuple(done[s.student] for s in submissions),
+        chosen,
+        exercises,
+        seed,
+        out,
+        limits.least,
+        {s.student: s.owner for s in submissions},
+        {s.student: s.timestamp for s in submissions},
+    )
     gradebook.write(book.table, gradebook.grades_csv(book.reports, exercises))
     gradebook.write(out / "times.csv", gradebook.times_csv(book.reports, exercises))
     if junit:

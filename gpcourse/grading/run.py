@@ -118,7 +118,7 @@ def grade(
     submissions = read_class(folder)
     _check_out(folder, out)
     chosen = (
-        _named(chapters)
+        chapters_called(chapters)
         if chapters
         else chapters_in([n for s in submissions for n in s.notebooks]) or CHAPTERS
     )
@@ -174,7 +174,8 @@ def _check_out(folder: Path, out: Path) -> None:
         raise UsageError(f"{out} cannot be written to; choose another folder")
 
 
-def _named(chapters: Sequence[str]) -> tuple[Chapter, ...]:
+def chapters_called(chapters: Sequence[str]) -> tuple[Chapter, ...]:
+    """Return the chapters with these numbers or stems, in the order of the course."""
     table = {str(chapter.number): chapter for chapter in CHAPTERS} | {c.stem: c for c in CHAPTERS}
     for name in chapters:
         if name not in table:

@@ -20,6 +20,8 @@ from gpcourse.grading.judge import Judged, Report
 
 #: Bytes of a file name that come from a student's. File systems allow 255, the ending included.
 _LONGEST = 180
+#: How the name ends of a file that is being written.
+UNFINISHED = ".part"
 #: What Windows takes for a device.
 _RESERVED = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)", re.IGNORECASE)
 
@@ -140,7 +142,7 @@ def _marked(stem: str, salt: str) -> str:
 def write(path: Path, text: str) -> None:
     """Write a file as a whole: whoever looks sees the old one or the new one."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name[:60]}-", suffix=UNFINISHED)
     try:
         with os.fdopen(handle, "w", encoding="utf-8", newline="") as file:
             file.write(text)

@@ -145,7 +145,7 @@ TAMPERING = [
     function("struct patched", "ran()\nfrom gpcourse.sandbox import wire\nwire.MAGIC = b'none'\nreturn 0", "crashed"),
     function(
         "the coder patched",
-        "ran()\nfrom gpcourse.sandbox import encoding, wire\nwire.MAX_BUFFERS = wire.MAX_HEADER = encoding.MAX_ITEMS = 2**40\nreturn [0] * 3 * 10**6",
+        "ran()\nfrom gpcourse.sandbox import encoding, wire\nwire.MAX_BUFFERS = wire.MAX_HEADER = encoding.MAX_ITEMS = 2**40\nreturn [0] * 6 * 10**5",
         "crashed", "timeout", "failed",
     ),
     function(

@@ -43,7 +43,7 @@ def grades_csv(reports: Sequence[Report], exercises: Sequence[Exercise]) -> str:
         points = [judged.verdict.points for judged in report.judged]
         row = [report.student, *points, report.points, report.out_of]
         row += [report.status, report.confinement, note(report)]
-        writer.writerow([_safe(cell) if isinstance(cell, str) else cell for cell in row])
+        writer.writerow([safe(cell) if isinstance(cell, str) else cell for cell in row])
     return buffer.getvalue()
 
 
@@ -54,11 +54,12 @@ def times_csv(reports: Sequence[Report], exercises: Sequence[Exercise]) -> str:
     writer.writerow(["student", *(e.name for e in exercises), "total"])
     for report in reports:
         seconds = [judged.seconds for judged in report.judged]
-        writer.writerow([_safe(report.student), *(f"{s:.3f}" for s in [*seconds, sum(seconds)])])
+        writer.writerow([safe(report.student), *(f"{s:.3f}" for s in [*seconds, sum(seconds)])])
     return buffer.getvalue()
 
 
-def _safe(text: str) -> str:
+def safe(text: str) -> str:
+    """Return a cell on one line that no spreadsheet takes for a formula."""
     line = "".join(c if c.isprintable() else " " for c in text)
     return _FORMULA.sub(r"\1'\2", line)
 

@@ -2,8 +2,9 @@
 
 Two studies, each in one run, the contenders in turn. Times are processor time of all processes, a submission.
 
-**A chapter.** A class of notebooks with all exercises of a chapter: of each student's functions some are the
-reference, some other right ones, some wrong ones. `gpcourse grade` on the class; one bare Python process that
+**A chapter.** Two classes with all exercises of a chapter: one in which all is right, and a mixed one, in
+which of each student's functions some are the reference, some other right ones, and a quarter wrong ones,
+with pictures in the feedback. `gpcourse grade` on a class; one bare Python process that
 imports numpy, holds the functions of a solved notebook and makes the calls that the checks make; and the same
 solved notebook executed with nbclient.
 
@@ -114,7 +115,7 @@ def calls_of(exercises: Sequence[Exercise]) -> list[Call]:
 
 
 def write_class(chapter: Chapter, folder: Path, students: int) -> Path:
-    """Write a class, and beside it the solved notebook that all calls are made of, which is returned."""
+    """Write a mixed class and one that is right; return the solved notebook."""
     document = read(ROOT / "notebooks" / chapter.notebook)
     rng = random.Random(SEED)
 
@@ -123,12 +124,23 @@ def write_class(chapter: Chapter, folder: Path, students: int) -> Path:
         others = _copied(exercise.mistakes if which < 0.25 else exercise.variants)
         return rng.choice(others) if which < 0.4 and others else exercise.reference
 
-    (folder / "class").mkdir(parents=True)
-    for i in range(students):
-        (folder / "class" / f"student{i:04}.ipynb").write_text(written(solve(document, choose)), "utf-8")
     solved = folder / "solved.ipynb"
-    solved.write_text(written(solve(document)), "utf-8")
+    right = solve(document)
+    solved.write_text(written(right), "utf-8")
+    (folder / "mixed").mkdir(parents=True)
+    (folder / "right").mkdir()
+    code = next(cell for cell in right["cells"] if cell["cell_type"] == "code")
+    start = "".join(code["source"])
+    for i in range(students):
+        (folder / "mixed" / f"student{i:04}.ipynb").write_text(written(solve(document, choose)), "utf-8")
+        code["source"] = f"# by student {i}\n{start}"
+        (folder / "right" / f"student{i:04}.ipynb").write_text(written(right), "utf-8")
     return solved
+
+
+def grade(submissions: Path, out: Path) -> None:
+    """Grade a class as its instructor does."""
+    run(sys.executable, "-m", "gpcourse", "grade", submissions, "--out", out, "--quiet", "--allow-unconfined")
 
 
 def chapter_study(chapter: Chapter, students: int, rounds: int) -> Times:
@@ -142,8 +154,9 @@ def chapter_study(chapter: Chapter, students: int, rounds: int) -> Times:
             "import nbformat, nbclient, sys; nbclient.NotebookClient(nbformat.read(sys.argv[1], 4)).execute()"
         )
         for i in range(rounds):
-            grade = ("-m", "gpcourse", "grade", folder / "class", "--out", folder / f"out{i}", "--quiet")
-            times.run("gpcourse grade", partial(run, sys.executable, *grade), students)
+            for kind in ("right", "mixed"):
+                out = folder / f"out-{kind}{i}"
+                times.run(f"gpcourse grade, {kind}", partial(grade, folder / kind, out), students)
             times.run("bare python", partial(run, sys.executable, script), 1)
             times.run("nbclient", partial(run, sys.executable, "-c", nbclient, solved), 1)
     return times
@@ -284,7 +297,7 @@ def environment(folder: Path, name: str) -> Path | None:
 def peer_study(peers: Path, students: int, rounds: int) -> Times:
     """Run the second study."""
     times = Times()
-    programs = {name: environment(peers, name) for name in PEERS}
+    programs = {name: environment(peers.absolute(), name) for name in PEERS}
     chapter = next(c for c in CHAPTERS if find(SMALL[0]) in c.exercises)
     with tempfile.TemporaryDirectory(prefix="grading-") as name:
         course = Path(name)
@@ -294,8 +307,8 @@ def peer_study(peers: Path, students: int, rounds: int) -> Times:
         if programs["otter"]:
             run(programs["otter"] / "otter", "generate", "-t", "tests", "-o", "autograder.zip", cwd=course)
         for i in range(rounds):
-            grade = ("-m", "gpcourse", "grade", course / "submitted", "--out", course / f"ours{i}", "--quiet")
-            times.run("gpcourse grade", partial(run, sys.executable, *grade), students)
+            ours = partial(grade, course / "submitted", course / f"ours{i}")
+            times.run("gpcourse grade", ours, students)
             if programs["nbgrader"]:
                 autograde = ("autograde", ASSIGNMENT, "--force")
                 times.run(
@@ -335,6 +348,24 @@ def otter(programs: Path, course: Path) -> None:
         run(programs / "otter", "run", "--no-logo", "-a", course / "autograder.zip", "-o", out, path)
 
 
+def memory(counts: list[int]) -> None:
+    """Print the most memory that the grader held while it graded classes of small notebooks."""
+    for count in counts:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name) / "class"
+            folder.mkdir()
+            for i in range(count):
+                cell = {
+                    "cell_type": "code",
+                    "source": f"# {i}\ndef triangle_area(a, b, c):\n    return abs(a).sum()",
+                }
+                (folder / f"student{i:04}.ipynb").write_text(json.dumps({"cells": [cell]}), "utf-8")
+            command = [sys.executable, "-m", "gpcourse", "grade", folder, "--out", Path(name) / "out"]
+            process = subprocess.Popen([*map(str, command), "--quiet", "--allow-unconfined"])
+            _, _, usage = os.wait4(process.pid, 0)
+            print(f"{count:>6} submissions: {usage.ru_maxrss / 1024:.0f} MB")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -346,7 +377,11 @@ def main() -> None:
         "--peers", type=Path, default=ROOT / "build" / "peers", help="where peers are installed"
     )
     parser.add_argument("--no-peers", action="store_true", help="leave the second study out")
+    parser.add_argument("--memory", type=int, nargs="+", metavar="COUNT", help="only: memory for so many")
     options = parser.parse_args()
+    if options.memory:
+        memory(options.memory)
+        return
     for chapter in (c for c in CHAPTERS if c.stem in options.chapters):
         print(f"\n{chapter.title}: {len(chapter.exercises)} exercises, {options.students} students")
         chapter_study(chapter, options.students, options.rounds).show("bare python")

@@ -60,7 +60,8 @@ def grade(
     Canvas's exported gradebook, Moodle's grading worksheet, or the students of nbgrader. Who is in one of
     the two only is named, and a name that fits two students is given to neither.
 
-    The same seed gives the same grades, another seed other inputs. Exits with 0 when all were graded,
+    The same seed gives the same grades, another seed other inputs. Interrupted, the same command goes on
+    where it stopped. Exits with 0 when all were graded,
     whatever the grades, with 1 when a person has to look at one, and with 2 when nothing can be graded, as
     where student code cannot be confined and --allow-unconfined is not given.
     """
@@ -128,6 +129,7 @@ def _export(
 def _summary(book: GradeBook) -> dict[str, object]:
     return {
         "seed": book.seed,
+        "resumed": book.resumed,
         "confinement": book.confinement,
         "chapters": [chapter.stem for chapter in book.chapters],
         "out_of": sum(exercise.points for exercise in book.exercises),
@@ -145,5 +147,7 @@ def _show(book: GradeBook) -> None:
     many = len(book.reports)
     words = ", ".join(f"{count} {status}" for status, count in sorted(statuses.items()))
     click.echo(f"{many} submission{'' if many == 1 else 's'}: {words}")
+    if book.resumed:
+        click.echo(f"{book.resumed} of them had been graded before, and were not graded again")
     click.echo(f"The table is {book.table}")
     click.echo(f"The report is {book.page}")

@@ -20,6 +20,9 @@ from gpcourse.grading.judge import Judged, Report
 
 #: Bytes of a file name that come from a student's. File systems allow 255, the ending included.
 _LONGEST = 180
+#: Where a spreadsheet may begin a formula, in letters of either width: in some countries it parts cells at
+#: semicolons.
+_FORMULA = re.compile(r"((?:^|[;|])\s*)([=+\-@＝＋－＠])")
 #: How the name ends of a file that is being written.
 UNFINISHED = ".part"
 #: What Windows takes for a device.
@@ -58,7 +61,7 @@ def times_csv(reports: Sequence[Report], exercises: Sequence[Exercise]) -> str:
 def safe(text: str) -> str:
     """Return a cell on one line that no spreadsheet takes for a formula."""
     line = "".join(c if c.isprintable() else " " for c in text)
-    return f"'{line}" if line.lstrip().startswith(("=", "+", "-", "@")) else line
+    return _FORMULA.sub(r"\1'\2", line)
 
 
 def note(report: Report) -> str:

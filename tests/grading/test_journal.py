@@ -13,6 +13,7 @@ from functools import partial
 import pytest
 
 from gpcourse.errors import UsageError
+from gpcourse.exercises.course import CHAPTERS
 from gpcourse.grading import grade as grade_confined
 from gpcourse.grading import gradebook, journal
 
@@ -148,3 +149,28 @@ def test_the_course_itself_is_a_condition(tmp_path, monkeypatch):
         assert set(same.done) == {"x"}
     with journal.Journal(tmp_path, {"course": "b"}) as other:
         assert other.done == {}
+
+
+def test_a_busy_machine_changes_no_grade(folder, tmp_path):
+    slow = (
+        "import time\nimport numpy as np\nbusy = [{seconds}]\ndef triangle_area(a, b, c):\n"
+        "    start, most = time.process_time(), busy.pop() if busy else 0.0\n"
+        "    while time.process_time() - start < most: pass\n"
+        "    return np.linalg.norm(np.cross(b - a, c - a)) / 2"
+    )
+    limit = CHAPTERS[0].exercises[0].time_limit
+    for name, share in (("within", 0.5), ("beyond", 5.0)):
+        cell = {"cell_type": "code", "source": slow.format(seconds=share * limit)}
+        (folder / f"{name}.ipynb").write_text(json.dumps({"cells": [cell]}), encoding="utf-8")
+    quiet = grade(folder, tmp_path / "quiet")
+    # Twice as many as there are cores: what is graded gets a third of one.
+    busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2 * os.cpu_count())]
+    try:
+        loaded = grade(folder, tmp_path / "loaded")
+    finally:
+        for process in busy:
+            process.kill()
+            process.wait()
+    points = {report.student: report.points for report in loaded.reports}
+    assert points["within"] == points["ada"] > points["beyond"]
+    assert files(loaded.out) == files(quiet.out)

@@ -132,6 +132,17 @@ TAMPERING = [
         "failed", says="['']",
     ),
 
+    cell(
+        "right only at leisure",
+        "import time\nlast = [0.0]\ndef twice(x):\n    ran()\n    pause, last[0] = time.monotonic() - last[0], time.monotonic()\n"
+        "    return 2 * x if pause > 30 else 0",
+        "failed",
+    ),
+    function(
+        "feedback that is to tell",
+        "ran()\nraise ValueError(repr([sys._getframe(i).f_locals for i in range(9)]) if 0 else '{expected} %(seed)s {0.__class__} {{ verdict }}')",
+        "error",
+    ),
     function("ufuncs patched", "ran()\nimport numpy as np\nnp.add = np.subtract = np.abs = np.less_equal = np.isfinite = lambda *a, **k: True\nreturn 0", "failed"),
     function(
         "a false grader put into sys.modules",

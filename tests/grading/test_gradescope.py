@@ -5,11 +5,13 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 import zipfile
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from packaging.requirements import Requirement
 
 from gpcourse.cli import main
 from gpcourse.exercises.course import CHAPTERS
@@ -129,6 +131,12 @@ def test_the_zip_file_holds_the_course_pinned_packages_and_what_its_exercises_re
     with zipfile.ZipFile(root.parent / "autograder.zip") as file:
         assert not [name for name in file.namelist() if "__pycache__" in name]
     subprocess.run(["bash", "-n", str(source / "setup.sh")], check=True)
+
+
+def test_no_package_of_the_course_is_forgotten():
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text("utf-8"))["project"]
+    names = {Requirement(line).name for line in project["dependencies"]}
+    assert {*gradescope.NEEDED, *gradescope.NOT_NEEDED} == names
 
 
 def test_the_same_course_gives_the_same_zip_file(tmp_path, monkeypatch):

@@ -10,10 +10,10 @@ from __future__ import annotations
 import builtins
 import traceback
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
-from typing import Any, Literal
+from functools import cache, partial
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
@@ -25,6 +25,8 @@ from gpcourse.sandbox.values import same
 Outcome = Literal[
     "passed", "failed", "error", "timeout", "crashed", "out of memory", "not attempted", "grader fault"
 ]
+
+Value = TypeVar("Value")
 
 #: ``ask(arguments, options, limit)`` puts one question to the student's function.
 Ask = Callable[[tuple[Any, ...], dict[str, Any], float], Answer]
@@ -62,8 +64,8 @@ class Question:
 class Asked:
     """The callable that a check sees. Calling it returns the student's value, or raises `NoAnswer`.
 
-    A check that asks several questions before it judges sets `about` to the number of the one that it
-    looks at; otherwise the last question is the one that went wrong.
+    A check that asks several questions before it judges looks at their answers with `each`, or sets `about`
+    to the number of the one that it looks at; otherwise the last question is the one that went wrong.
     """
 
     exercise: Exercise
@@ -77,6 +79,12 @@ class Asked:
         if answer.status != "returned":
             raise NoAnswer(answer)
         return answer.value
+
+    def each(self, answers: Sequence[Value], start: int = 0) -> Iterator[Value]:
+        """Yield the answers to the questions from number `start` on, one after the other, to be looked at."""
+        for self.about, value in enumerate(answers, start):
+            yield value
+        self.about = -1
 
     def answer(self, *arguments: Any, **options: Any) -> Answer:
         """Ask, and return all that came of it: for checks that expect an exception."""
@@ -118,9 +126,9 @@ class CheckResult:
         return self.check.points if self.outcome == "passed" else 0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Verdict:
-    """How one exercise went."""
+    """How one exercise went. Two are the same only if they are one object."""
 
     exercise: Exercise
     outcome: Outcome
@@ -154,12 +162,17 @@ def judge(exercise: Exercise, ask: Ask, seed: int) -> Verdict:
     limit = exercise.time_limit
     for check in exercise.checks:
         asked = Asked(exercise, ask, limit)
-        result = _run(check, asked, seed)
+        result = run_check(check, asked, seed)
         limit = asked.limit
         if result.outcome == "not attempted":
             return Verdict(exercise, "not attempted")
         results.append(result)
-    results = name_mistakes(exercise, results, seed)
+    return conclude(exercise, results, Ours(exercise, seed))
+
+
+def conclude(exercise: Exercise, results: list[CheckResult], ours: Ours) -> Verdict:
+    """Put the results of all checks of an exercise together, and name the mistakes."""
+    results = name_mistakes(exercise, results, ours)
     first: Outcome = next((r.outcome for r in results if r.outcome != "passed"), "passed")
     changed = {name: None for r in results for q in r.questions for name in q.answer.changed}
     return Verdict(exercise, first, tuple(results), tuple(changed))
@@ -180,10 +193,15 @@ def stub(exercise: Exercise, answer: Answer) -> bool:
     )
 
 
-def _run(check: Check, asked: Asked, seed: int) -> CheckResult:
-    key = zlib.crc32(f"{asked.exercise.name}: {check.claim}".encode())
+def generator(exercise: Exercise, check: Check, seed: int) -> np.random.Generator:
+    """Return the generator that draws the inputs of a check."""
+    return np.random.default_rng([seed, zlib.crc32(f"{exercise.name}: {check.claim}".encode())])
+
+
+def run_check(check: Check, asked: Asked, seed: int) -> CheckResult:
+    """Run one check on a function, and say how it went."""
     try:
-        check.run(asked, np.random.default_rng([seed, key]))
+        check.run(asked, generator(asked.exercise, check, seed))
     except Wrong as wrong:
         return CheckResult(check, "failed", wrong=wrong, questions=tuple(asked.questions), about=asked.about)
     except NoAnswer as no_answer:
@@ -197,19 +215,40 @@ def _run(check: Check, asked: Asked, seed: int) -> CheckResult:
     return CheckResult(check, "passed", questions=tuple(asked.questions))
 
 
-def name_mistakes(exercise: Exercise, results: list[CheckResult], seed: int) -> list[CheckResult]:
+class Ours:
+    """What the reference of an exercise, which has the number 0, and its mistakes, from 1 on, answer."""
+
+    def __init__(self, exercise: Exercise, seed: int) -> None:
+        self.exercise = exercise
+        self.seed = seed
+        self.functions = [exercise.reference, *(mistake.function for mistake in exercise.mistakes)]
+
+    def answer(self, m: int, question: Question) -> Answer:
+        """Return what solution `m` answers to a question."""
+        return self._call(m, question.arguments, question.options, self.exercise.time_limit)
+
+    def passes(self, m: int, check: Check) -> bool:
+        """Tell whether solution `m` passes a check."""
+        asked = Asked(self.exercise, partial(self._call, m), self.exercise.time_limit)
+        return run_check(check, asked, self.seed).outcome == "passed"
+
+    def _call(self, m: int, arguments: tuple[Any, ...], options: dict[str, Any], limit: float) -> Answer:
+        # Processor time where that can be had: a loaded machine must not change which mistake is named.
+        wall = 10 * (limit + 1)
+        return call(self.functions[m], arguments, limit, wall, options=options, ours=True)
+
+
+def name_mistakes(exercise: Exercise, results: list[CheckResult], ours: Ours) -> list[CheckResult]:
     """Give each failed check the known mistake that explains it, where there is one.
 
     A mistake explains a check when it answers every question of that check as the student did, one of
     them otherwise than the reference, and would pass the checks that the student passed. If several do, the
     one that explains most of the other checks too is named.
     """
-    ours = [exercise.reference, *(mistake.function for mistake in exercise.mistakes)]
 
     @cache
     def answer(m: int, r: int, q: int) -> Answer:
-        question = results[r].questions[q]
-        return call(ours[m], question.arguments, exercise.time_limit, options=question.options, ours=True)
+        return ours.answer(m, results[r].questions[q])
 
     def alike(a: Answer, b: Answer, r: int, q: int) -> bool:
         return _alike(exercise, results[r].questions[q].arguments, a, b)
@@ -230,15 +269,8 @@ def name_mistakes(exercise: Exercise, results: list[CheckResult], seed: int) -> 
 
     @cache
     def spoils(m: int, r: int) -> bool:
-        if agrees(m, r):
-            return False
-
         # Two right answers may differ, as those for points on a line: the check decides.
-        def ask(arguments: tuple[Any, ...], options: dict[str, Any], limit: float) -> Answer:
-            return call(ours[m], arguments, limit, options=options, ours=True)
-
-        asked = Asked(exercise, ask, exercise.time_limit)
-        return _run(results[r].check, asked, seed).outcome != "passed"
+        return not agrees(m, r) and not ours.passes(m, results[r].check)
 
     passed = [r for r, result in enumerate(results) if result.outcome == "passed"]
     named = list(results)
@@ -247,7 +279,7 @@ def name_mistakes(exercise: Exercise, results: list[CheckResult], seed: int) -> 
             continue
         found = [
             m
-            for m in range(1, len(ours))
+            for m in range(1, len(ours.functions))
             if agrees(m, i) and errs(m, i) and not any(spoils(m, r) for r in passed)
         ]
         if len(found) > 1:

@@ -10,7 +10,9 @@ from functools import partial
 
 from gpcourse.errors import WorkerError
 from gpcourse.exercises.exercise import Exercise
-from gpcourse.exercises.judging import Verdict, judge
+from gpcourse.exercises.judging import Verdict
+from gpcourse.exercises.judging import judge as judge_here
+from gpcourse.grading.recall import Recall
 from gpcourse.grading.submission import Notebook, Submission
 from gpcourse.sandbox.call import Trouble
 from gpcourse.sandbox.lockdown import Level
@@ -19,12 +21,15 @@ from gpcourse.sandbox.proxy import Survey, Worker
 #: ``open_worker(notebook)`` returns the worker that holds a notebook's functions.
 OpenWorker = Callable[[Notebook], Worker]
 
+#: ``judge(exercise, worker)`` gives the verdict on the worker's function of that name.
+Judge = Callable[[Exercise, Worker], Verdict]
+
 
 @dataclass(frozen=True)
 class Judged:
     """An exercise's verdict in a submission, and what is to be said besides.
 
-    `missing` says that no function of that name was found. `seconds` is how long its answers took.
+    `missing` says that no function of that name was found. `seconds` is how long its answers were waited for.
     """
 
     verdict: Verdict
@@ -62,15 +67,25 @@ class Report:
         return sum(judged.verdict.exercise.points for judged in self.judged)
 
 
+def afresh(seed: int) -> Judge:
+    """Return a judge that remembers nothing and asks one question at a time."""
+    return lambda exercise, worker: judge_here(exercise, partial(worker.ask, exercise.name), seed)
+
+
 def judge_submission(
-    submission: Submission, exercises: Sequence[Exercise], seed: int, open_worker: OpenWorker
+    submission: Submission,
+    exercises: Sequence[Exercise],
+    seed: int,
+    open_worker: OpenWorker,
+    judge: Judge | None = None,
 ) -> Report:
     """Judge every exercise on what was handed in. One that breaks costs no other its points.
 
-    What nobody thought of is our fault: such a submission gets a row that says so, and the others are graded.
+    `judge` is for that seed; by default it is a new `Recall`. What nobody thought of is our fault: such a
+    submission gets a row that says so, and the others are graded.
     """
     try:
-        return _judge_submission(submission, exercises, seed, open_worker)
+        return _judge_submission(submission, exercises, judge or Recall(seed).judge, open_worker)
     except WorkerError:
         raise
     except Exception as error:  # noqa: BLE001  # whatever it is, the run goes on
@@ -79,7 +94,7 @@ def judge_submission(
 
 
 def _judge_submission(
-    submission: Submission, exercises: Sequence[Exercise], seed: int, open_worker: OpenWorker
+    submission: Submission, exercises: Sequence[Exercise], judge: Judge, open_worker: OpenWorker
 ) -> Report:
     notes = list(submission.notes)
     rooms: dict[int, _Room] = {}
@@ -93,7 +108,7 @@ def _judge_submission(
             if room is None:
                 room = _Room(notebook, stack.enter_context(open_worker(notebook)), names)
                 rooms[id(notebook)] = room
-            result = room.judge(exercise, seed)
+            result = room.judge(exercise, judge)
             if len(holding) > 1 and exercise.name in notebook.defines:
                 several = f"found in {len(holding)} notebooks; {notebook.name} counts"
                 result = replace(result, notes=(*result.notes, several))
@@ -132,29 +147,31 @@ class _Room:
             return self.worker.survey()
         return Survey()
 
-    def judge(self, exercise: Exercise, seed: int) -> Judged:
+    def judge(self, exercise: Exercise, judge: Judge) -> Judged:
         name = exercise.name
         if not self.notebook.readable or name in self.survey.stubs:
             return Judged(Verdict(exercise, "not attempted"))
-        judged = self._judge(exercise, seed)
+        judged = self._judge(exercise, judge)
         if self.used and judged.verdict.outcome != "passed":
             # What another exercise did to the process is not this one's fault: ask once more in a new one.
             self.worker.close()
-            judged = self._judge(exercise, seed)
+            judged = self._judge(exercise, judge)
         self.used = True
         return judged
 
-    def _judge(self, exercise: Exercise, seed: int) -> Judged:
+    def _judge(self, exercise: Exercise, judge: Judge) -> Judged:
         name = exercise.name
         with suppress(WorkerError):  # said again, as a fault of ours, when the first question is asked
             ready = self.worker.prepare(name)
             if ready.status == "missing":
                 return Judged(Verdict(exercise, "not attempted"), self._near(name), missing=True)
             self.failures.update(dict.fromkeys(f"{_where(t)}: {_what(t)}" for t in ready.notes))
-        verdict = judge(exercise, partial(self.worker.ask, name), seed)
+        before = self.worker.spent
+        verdict = judge(exercise, self.worker)
         answers = (question.answer for result in verdict.results for question in result.questions)
         crash = next((a.trouble for a in answers if a.status == "crashed" and a.trouble), None)
-        return Judged(verdict, () if crash is None else (crash.message,))
+        notes = () if crash is None else (crash.message,)
+        return Judged(verdict, notes, seconds=self.worker.spent - before)
 
     def _near(self, name: str) -> tuple[str, ...]:
         others = set(self.survey.names) - self.asked

@@ -5,19 +5,21 @@ from __future__ import annotations
 import os
 import tempfile
 import threading
-from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from collections.abc import Callable, Generator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from gpcourse.errors import UsageError, WorkerError
 from gpcourse.exercises.course import CHAPTERS, Chapter
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.grading import gradebook, reports
-from gpcourse.grading.judge import Report, judge_submission
+from gpcourse.grading.journal import Journal, conditions, files_of, locked, without_answers, writing
+from gpcourse.grading.judge import OpenWorker, Report, judge_submission
 from gpcourse.grading.junit import junit as junit_xml
-from gpcourse.grading.submission import Notebook, Submission, read_class
+from gpcourse.grading.recall import CAPACITY, Recall
+from gpcourse.grading.submission import Notebook, Owner, Submission, read_class
 from gpcourse.sandbox import confine, home
 from gpcourse.sandbox.line import Line
 from gpcourse.sandbox.lockdown import Level
@@ -40,8 +42,12 @@ class GradeBook:
     seed : int
     confinement : Level
         The level at which student code was run.
+    resumed : int
+        How many submissions an earlier run had graded, which this one went on with.
     out, table, page : Path
         The folder that was written, its grades.csv and its index.html.
+    owners, timestamps : mapping
+        By student: whose the submission is by the names of the files; when nbgrader collected it.
     """
 
     reports: tuple[Report, ...]
@@ -50,6 +56,9 @@ class GradeBook:
     seed: int
     out: Path
     confinement: Level
+    resumed: int = 0
+    owners: Mapping[str, Owner] = field(default_factory=dict)
+    timestamps: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def table(self) -> Path:
@@ -78,8 +87,11 @@ def grade(
 
     Writes ``grades.csv``, ``times.csv``, ``index.html``, ``students/NAME.html`` and
     ``gradescope/NAME/results.json``. The same submissions and seed give the same files, to the byte, but for
-    the times. Nothing is written when the input
-    cannot be used.
+    the times. Nothing is written when the input cannot be used.
+
+    ``journal.jsonl`` notes each submission that is done. Interrupted at any moment, the same call goes on
+    where it stopped; so it does when some were handed in anew. Where the course, the seed or a limit is
+    another one, all are graded again.
 
     Parameters
     ----------
@@ -100,12 +112,14 @@ def grade(
     junit : bool
         Write ``junit.xml`` too.
     progress : callable, optional
-        Called as ``progress(done, total, student)`` after each submission.
+        Called as ``progress(done, total, student)`` after each submission, and first with no student if an
+        earlier run had graded some.
 
     Raises
     ------
     UsageError
-        If there are no submissions, another argument cannot be used, or this machine cannot confine.
+        If there are no submissions, another argument cannot be used, this machine cannot confine, another
+        run is grading into `out`, or the disk is full.
     WorkerError
         If no process can be started.
     """
@@ -115,30 +129,150 @@ def grade(
     submissions = read_class(folder)
     _check_out(folder, out)
     chosen = (
-        _named(chapters)
+        chapters_called(chapters)
         if chapters
         else chapters_in([n for s in submissions for n in s.notebooks]) or CHAPTERS
     )
     exercises = tuple(exercise for chapter in chosen for exercise in chapter.exercises)
-    names = gradebook.file_names(s.student for s in submissions)
     limits = _confined(limits or confine.Limits(), allow_unconfined)
-    done: dict[str, Report] = {}
-    with closing(_judge_all(submissions, exercises, seed, jobs, limits)) as judged:
-        for each in judged:
-            report = replace(each, confinement=limits.least)
-            stem = names[report.student]
-            gradebook.write(out / "students" / f"{stem}.html", reports.student_page(report, chosen, seed))
-            gradebook.write(out / "gradescope" / stem / "results.json", gradebook.gradescope(report))
-            done[report.student] = _slim(report)
-            if progress is not None:
-                progress(len(done), len(submissions), report.student)
-    book = GradeBook(tuple(done[s.student] for s in submissions), chosen, exercises, seed, out, limits.least)
-    gradebook.write(book.table, gradebook.grades_csv(book.reports, exercises))
-    gradebook.write(out / "times.csv", gradebook.times_csv(book.reports, exercises))
-    if junit:
-        gradebook.write(out / "junit.xml", junit_xml(book.reports))
-    gradebook.write(book.page, reports.class_page(book.reports, chosen, exercises, seed, names))
-    return book
+    run = _Run(
+        submissions,
+        chosen,
+        exercises,
+        seed,
+        out,
+        limits,
+        jobs or os.cpu_count() or 1,
+        progress or (lambda *_: None),
+    )
+    with locked(out):
+        return run.finish(junit=junit)
+
+
+@dataclass(frozen=True)
+class _Graded:
+    """A report without its questions and answers, the student's page, and what Gradescope gets."""
+
+    report: Report
+    page: str
+    results: str
+
+
+@dataclass
+class _Run:
+    """One run over a class, within the lock on its folder."""
+
+    submissions: Sequence[Submission]
+    chapters: tuple[Chapter, ...]
+    exercises: tuple[Exercise, ...]
+    seed: int
+    out: Path
+    limits: confine.Limits
+    jobs: int
+    progress: Progress
+
+    def __post_init__(self) -> None:
+        self.stems = gradebook.file_names(s.student for s in self.submissions)
+        self.done: dict[str, Report] = {}
+        self._own = threading.local()
+        self._drawing = threading.Lock()
+
+    def finish(self, *, junit: bool) -> GradeBook:
+        """Grade what is not done yet, and write the grade book."""
+        with Journal(self.out, conditions(self.exercises, self.seed, self.limits)) as journal:
+            for submission in self.submissions:
+                if report := journal.recall(submission, self.stems[submission.student], self.exercises):
+                    self.done[submission.student] = report
+            resumed = len(self.done)
+            if resumed:
+                self.progress(resumed, len(self.submissions), "")
+            self._grade([s for s in self.submissions if s.student not in self.done], journal)
+        with writing(self.out):
+            return self._write_book(resumed, junit=junit)
+
+    def _grade(self, left: Sequence[Submission], journal: Journal) -> None:
+        by_name = {submission.student: submission for submission in left}
+        with closing(self._judge_all(left)) as judged:
+            for each in judged:
+                stem = self.stems[each.report.student]
+                with writing(self.out):
+                    for path, text in zip(files_of(self.out, stem), (each.page, each.results), strict=True):
+                        gradebook.write(path, text)
+                journal.write(by_name[each.report.student], stem, each.report)
+                self.done[each.report.student] = each.report
+                self.progress(len(self.done), len(self.submissions), each.report.student)
+
+    def _graded(self, submission: Submission, open_worker: OpenWorker) -> _Graded:
+        if not hasattr(self._own, "recall"):  # a memory is not made for two threads at a time
+            self._own.recall = Recall(self.seed, CAPACITY // self.jobs)
+        judge = self._own.recall.judge
+        report = judge_submission(submission, self.exercises, self.seed, open_worker, judge)
+        report = replace(report, confinement=self.limits.least)
+        with self._drawing:  # nor is Matplotlib
+            page = reports.student_page(report, self.chapters, self.seed)
+        return _Graded(without_answers(report), page, gradebook.gradescope(report))
+
+    def _judge_all(self, left: Sequence[Submission]) -> Generator[_Graded, None, None]:
+        """Yield the reports as they are done. Most of the work is in the workers, so threads are enough."""
+        if not left:
+            return
+        fonts = any("matplotlib" in text for s in left for n in s.notebooks for _, text in n.cells)
+        stopped = threading.Event()
+        lines: set[Line] = set()
+
+        def start(package: Path, limits: confine.Limits) -> Line:
+            lines.difference_update([line for line in tuple(lines) if line.closed])
+            line = launch(package, limits)
+            lines.add(line)
+            if stopped.is_set():  # asked after it is among them, so that no process is overlooked
+                line.close()
+                raise WorkerError("grading was interrupted")
+            return line
+
+        with (
+            tempfile.TemporaryDirectory(prefix="gpcourse-", ignore_cleanup_errors=True) as root,
+            ExitStack() as opened,
+        ):
+            package = home.build(Path(root) / "home", fonts=fonts)
+            launch = opened.enter_context(confine.launcher(package, ("matplotlib.pyplot",) if fonts else ()))
+
+            def graded(submission: Submission) -> _Graded:
+                return self._graded(
+                    submission, lambda notebook: Worker(list(notebook.cells), package, self.limits, start)
+                )
+
+            with ThreadPoolExecutor(self.jobs) as pool:
+                try:
+                    # No list of them is kept: one that was read is let go, and so is what it holds.
+                    for future in as_completed([pool.submit(graded, s) for s in left]):
+                        yield future.result()
+                except BaseException:
+                    stopped.set()  # Ctrl-C: what is being asked now is not waited for, nor asked again
+                    for line in tuple(lines):
+                        line.kill()
+                    pool.shutdown(wait=False, cancel_futures=True)
+                    raise
+
+    def _write_book(self, resumed: int, *, junit: bool) -> GradeBook:
+        everyone = tuple(self.done[s.student] for s in self.submissions)
+        book = GradeBook(
+            everyone,
+            self.chapters,
+            self.exercises,
+            self.seed,
+            self.out,
+            self.limits.least,
+            resumed,
+            {s.student: s.owner for s in self.submissions},
+            {s.student: s.timestamp for s in self.submissions},
+        )
+        gradebook.write(book.table, gradebook.grades_csv(everyone, self.exercises))
+        gradebook.write(self.out / "times.csv", gradebook.times_csv(everyone, self.exercises))
+        if junit:
+            gradebook.write(self.out / "junit.xml", junit_xml(everyone))
+        page = reports.class_page(everyone, self.chapters, self.exercises, self.seed, self.stems)
+        gradebook.write(book.page, page)
+        return book
 
 
 def _confined(limits: confine.Limits, allow_unconfined: bool) -> confine.Limits:
@@ -162,7 +296,8 @@ def _check_out(folder: Path, out: Path) -> None:
         raise UsageError(f"{out} cannot be written to; choose another folder")
 
 
-def _named(chapters: Sequence[str]) -> tuple[Chapter, ...]:
+def chapters_called(chapters: Sequence[str]) -> tuple[Chapter, ...]:
+    """Return the chapters with these numbers or stems, in the order of the course."""
     table = {str(chapter.number): chapter for chapter in CHAPTERS} | {c.stem: c for c in CHAPTERS}
     for name in chapters:
         if name not in table:
@@ -186,58 +321,3 @@ def chapters_in(notebooks: Sequence[Notebook]) -> tuple[Chapter, ...]:
         if found:
             return found
     return ()
-
-
-def _judge_all(
-    submissions: Sequence[Submission],
-    exercises: Sequence[Exercise],
-    seed: int,
-    jobs: int | None,
-    limits: confine.Limits,
-) -> Generator[Report, None, None]:
-    """Yield the reports as they are done. The work is in the workers, so threads are enough here."""
-    fonts = any("matplotlib" in text for s in submissions for n in s.notebooks for _, text in n.cells)
-    stopped = threading.Event()
-    lines: list[Line] = []
-
-    def start(package: Path, limits: confine.Limits) -> Line:
-        line = launch(package, limits)
-        lines.append(line)
-        if stopped.is_set():  # asked after it is in the list, so that no process is overlooked
-            line.close()
-            raise WorkerError("grading was interrupted")
-        return line
-
-    with (
-        tempfile.TemporaryDirectory(prefix="gpcourse-", ignore_cleanup_errors=True) as root,
-        ExitStack() as opened,
-    ):
-        package = home.build(Path(root) / "home", fonts=fonts)
-        launch = opened.enter_context(confine.launcher(package, ("matplotlib.pyplot",) if fonts else ()))
-
-        def open_worker(notebook: Notebook) -> Worker:
-            return Worker(list(notebook.cells), package, limits, start)
-
-        with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as pool:
-            futures: list[Future[Report]] = [
-                pool.submit(judge_submission, s, exercises, seed, open_worker) for s in submissions
-            ]
-            try:
-                for future in as_completed(futures):
-                    yield future.result()
-            except BaseException:
-                stopped.set()  # Ctrl-C: what is being asked now is not waited for, nor asked again
-                for line in lines:
-                    line.kill()
-                pool.shutdown(wait=False, cancel_futures=True)
-                raise
-
-
-def _slim(report: Report) -> Report:
-    """Drop the questions and answers but for their time, so that memory stays flat over a large class."""
-    judged = []
-    for one in report.judged:
-        results = tuple(replace(result, questions=()) for result in one.verdict.results)
-        seconds = sum(q.answer.seconds for result in one.verdict.results for q in result.questions)
-        judged.append(replace(one, verdict=replace(one.verdict, results=results), seconds=seconds))
-    return replace(report, judged=tuple(judged))

@@ -5,11 +5,12 @@ from __future__ import annotations
 import contextlib
 import math
 import os
-import selectors
+import select
 import signal
 import sys
 import threading
 import time
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
@@ -20,10 +21,11 @@ from gpcourse.sandbox import wire
 from gpcourse.sandbox.call import Status
 from gpcourse.sandbox.lockdown import LEVELS, Confinement
 from gpcourse.sandbox.process import Process, processor_seconds
-from gpcourse.sandbox.worker import CRASH_FILE
+from gpcourse.sandbox.worker import CRASH_FILE, REPLY
 
 #: Seconds between two looks at the processor time that a process has used.
 _SHORTEST = 0.02
+_CORES = os.cpu_count() or 1
 
 
 class Gone(Exception):
@@ -50,7 +52,7 @@ class Until:
     def next_look(self) -> float:
         """Return how many seconds from now it may be time at the earliest."""
         # All its threads together may use several seconds in one.
-        soonest = max(self._left() / (os.cpu_count() or 1), _SHORTEST)
+        soonest = max(self._left() / _CORES, _SHORTEST)
         return max(min(self.wall - time.monotonic(), soonest), 0.0)
 
     def _left(self) -> float:
@@ -74,8 +76,7 @@ class Line:
         """Hold a process: what is written to `sink` it reads, what it writes comes from `source`.
 
         `scratch` is its working folder as it sees it, `folder` the same as it is seen from here. What it says
-        of a crash stands in `last_words`, or in a file in its folder. `received` counts the memory that its
-        frames took, in bytes (see `wire.weight`).
+        of a crash stands in `last_words`, or in a file in its folder.
         """
         self.process = process
         self.sink, self.source = sink, source
@@ -84,13 +85,20 @@ class Line:
         self.last_words = last_words
         self.number = 0
         self.closed = False
-        self.received = 0
+        self._inbox = bytearray()
+        self._unsent = memoryview(b"")
+        if sys.platform != "win32":
+            self._poll = select.poll()
+            os.set_blocking(sink, False)
+            os.set_blocking(source, False)
         self.confinement = Confinement()
 
     def greet(self, seconds: float) -> None:
         """Read the first frame, which says how far the worker is confined, or raise `Gone`."""
         try:
-            said = wire.unpack(self._exchange(b"", Until(time.monotonic() + seconds)))
+            until = Until(time.monotonic() + seconds)
+            head = self._take(wire.HEAD.size, until)
+            said = wire.unpack(head + self._take(sum(wire.lengths(head)), until))
             level = said["level"]
             self.confinement = Confinement(LEVELS[LEVELS.index(level)], tuple(map(str, said["missing"])))
         except TimeoutError:
@@ -109,10 +117,53 @@ class Line:
         """
         if self.closed:  # the numbers of its pipes may be another file's by now
             raise Gone("crashed", "the Python process has ended")
-        self.number += 1
-        frame = wire.pack({"number": self.number, "do": do, **content})
+        (frame,) = self.replies(1, seconds, wall, do=do, **content)
         try:
-            answer = wire.unpack(self._exchange(frame, self._until(seconds, wall)))
+            answer = wire.unpack(frame)
+        except WireError as error:
+            raise self._gone("crashed", f"its answer could not be read: {error}") from None
+        if not isinstance(answer, dict):
+            raise self._gone("crashed", "it gave an answer that nobody had asked for")
+        return answer
+
+    def replies(
+        self, most: int, seconds: float, wall: float, /, *, questions: Sequence[bytes] = (), **content: Any
+    ) -> Iterator[bytes]:
+        """Send a request, and `questions` after it; yield the frames of up to `most` replies as they come.
+
+        Each may take `seconds` of processor time and `wall` seconds on the clock. If one does not come, raise
+        `Gone`, with the process ended. Frames are yielded as they were received: nothing is known of them.
+        """
+        self.number += 1
+        head = wire.pack({"number": self.number, **content})
+        self._unsent = memoryview(b"".join([head, *questions]))
+        for i in range(most):
+            number, place, more, frame = self._reply(self._until(seconds, wall))
+            if (number, place) != (self.number, i):
+                raise self._gone("crashed", "it gave an answer that nobody had asked for")
+            yield frame
+            if not more:
+                break
+        self._finish(self._until(seconds, wall))
+
+    def _reply(self, until: Until) -> tuple[int, int, bool, bytes]:
+        with self._seen_to():
+            head = self._take(REPLY.size + wire.HEAD.size, until)
+            number, place, more = REPLY.unpack(head[: REPLY.size])
+            start = head[REPLY.size :]
+            return number, place, more, start + self._take(sum(wire.lengths(start)), until)
+
+    def _finish(self, until: Until) -> None:
+        """Send what is left of a request after its last reply: the process skips it."""
+        with self._seen_to():
+            while self._unsent:
+                self._turn(until)
+
+    @contextlib.contextmanager
+    def _seen_to(self) -> Iterator[None]:
+        """Turn what can happen to a pipe into `Gone`."""
+        try:
+            yield
         except TimeoutError:
             dead = self.process.code() is not None  # somebody else holds its pipe open
             raise self._gone("crashed" if dead else "timeout") from None
@@ -120,12 +171,10 @@ class Line:
             raise self._gone("crashed") from None
         except WireError as error:
             raise self._gone("crashed", f"its answer could not be read: {error}") from None
-        if not isinstance(answer, dict) or answer.get("number") != self.number:
-            raise self._gone("crashed", "it gave an answer that nobody had asked for")
-        return answer
 
     def _gone(self, status: Status, message: str = "") -> Gone:
-        late = time.monotonic() + (0.0 if status == "timeout" else 1.0)
+        # What has closed its pipes is about to end, and then says why.
+        late = time.monotonic() + (0.0 if message or status == "timeout" else 1.0)
         while (code := self.process.code()) is None and time.monotonic() < late:
             time.sleep(0.005)
         place = self._crash_place()
@@ -148,35 +197,57 @@ class Line:
             return Until(now + wall)
         return Until(now + wall, self.process.pid, used + seconds)
 
-    def _exchange(self, frame: bytes, until: Until) -> bytes:
+    def _take(self, length: int, until: Until) -> bytes:
+        """Return the next so many bytes from the process, while what is unsent is sent."""
         if sys.platform == "win32":
-            return self._exchange_blocking(frame, until)
-        self._send(memoryview(frame), until)
-        head = self._read(wire.HEAD.size, until)
-        self.received += wire.weight(head)
-        return head + self._read(sum(wire.lengths(head)), until)
+            return self._take_blocking(length, until)
+        while len(self._inbox) < length:
+            self._turn(until)
+        taken = bytes(memoryview(self._inbox)[:length])
+        del self._inbox[:length]
+        return taken
 
-    def _send(self, rest: memoryview, until: Until) -> None:
-        os.set_blocking(self.sink, False)
-        while rest:
-            _wait([], [self.sink], until)
+    def _turn(self, until: Until) -> None:
+        """Wait until something can be sent or received, and do that."""
+        if sys.platform == "win32":
+            self._send_blocking(until)
+            return
+        self._poll.register(self.source, select.POLLIN)
+        if self._unsent:
+            self._poll.register(self.sink, select.POLLOUT)
+        while not (ready := self._poll.poll(1000 * until.next_look())):
+            if until.reached():
+                raise TimeoutError
+        for handle, _ in ready:
             with contextlib.suppress(BlockingIOError):
-                rest = rest[os.write(self.sink, rest) :]
+                if handle == self.source:
+                    part = os.read(self.source, 2**20)
+                    if not part:
+                        raise EOFError
+                    self._inbox += part
+                else:
+                    self._send()
 
-    def _read(self, length: int, until: Until) -> bytes:
-        os.set_blocking(self.source, False)
-        parts, missing = [], length
-        while missing:
-            _wait([self.source], [], until)
-            with contextlib.suppress(BlockingIOError):
-                part = os.read(self.source, min(missing, 2**20))
-                if not part:
-                    raise EOFError
-                parts.append(part)
-                missing -= len(part)
-        return b"".join(parts)
+    def _send(self) -> None:
+        try:
+            self._unsent = self._unsent[os.write(self.sink, self._unsent) :]
+        except BrokenPipeError:  # it has ended: what it said before is still to be read, until its end
+            self._unsent = memoryview(b"")
+        if not self._unsent:
+            self._poll.unregister(self.sink)
 
-    def _exchange_blocking(self, frame: bytes, until: Until) -> bytes:
+    def _take_blocking(self, length: int, until: Until) -> bytes:
+        self._send_blocking(until)
+        with self._killed_late(until):
+            return _read_blocking(self.source, length)
+
+    def _send_blocking(self, until: Until) -> None:
+        with self._killed_late(until):
+            while self._unsent:
+                self._unsent = self._unsent[os.write(self.sink, self._unsent) :]
+
+    @contextlib.contextmanager
+    def _killed_late(self, until: Until) -> Iterator[None]:
         """For Windows, where one cannot wait for a pipe: the process is killed from a second thread."""
         late = threading.Event()
 
@@ -187,12 +258,7 @@ class Line:
         timer = threading.Timer(max(until.wall - time.monotonic(), 0.0), kill)
         timer.start()
         try:
-            rest = memoryview(frame)
-            while rest:
-                rest = rest[os.write(self.sink, rest) :]
-            head = _read_blocking(self.source, wire.HEAD.size)
-            self.received += wire.weight(head)
-            return head + _read_blocking(self.source, sum(wire.lengths(head)))
+            yield
         except (OSError, EOFError):
             if late.is_set():
                 raise TimeoutError from None
@@ -222,17 +288,6 @@ def _ending(code: int | None) -> str:
         with contextlib.suppress(ValueError):
             return f"the Python process was ended by {signal.Signals(-code).name}"
     return f"the Python process ended itself with exit code {code}"
-
-
-def _wait(read: list[int], write: list[int], until: Until) -> None:
-    with selectors.DefaultSelector() as selector:
-        for fd in read:
-            selector.register(fd, selectors.EVENT_READ)
-        for fd in write:
-            selector.register(fd, selectors.EVENT_WRITE)
-        while not selector.select(until.next_look()):
-            if until.reached():
-                raise TimeoutError
 
 
 def _read_blocking(fd: int, length: int) -> bytes:

@@ -7,11 +7,17 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable
+import sys
+import time
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
+from gpcourse.errors import WireError
+from gpcourse.sandbox import wire
 from gpcourse.sandbox.call import Answer, Status, Trouble
 from gpcourse.sandbox.confine import Limits, launch
 from gpcourse.sandbox.line import Gone, Line
@@ -42,6 +48,49 @@ class Ready:
     notes: tuple[Trouble, ...] = ()
 
 
+class Reply:
+    """What came of one question: the frame as it was received, or `said` where none came.
+
+    Nothing of the frame is read before `answer` is asked for.
+    """
+
+    def __init__(self, frame: bytes = b"", line: Line | None = None, *, said: Answer | None = None) -> None:
+        self.frame = frame
+        self._line = line
+        self._said = said
+
+    @property
+    def digest(self) -> bytes:
+        """A digest of all that can be known of the answer; empty where it may be another one next time."""
+        if self._said is None:
+            return blake2b(self.frame, digest_size=16).digest()
+        if self._said.status != "raised":
+            return b""
+        return blake2b(repr(self._said).encode("utf-8", "replace"), digest_size=16).digest()
+
+    @cached_property
+    def answer(self) -> Answer:
+        """The answer. Whatever came, it is one of plain values."""
+        if self._said is not None:
+            return self._said
+        try:
+            content = wire.unpack(self.frame)
+        except WireError as error:
+            return _unreadable(f"its answer could not be read: {error}")
+        if not isinstance(content, dict):
+            return _unreadable("it gave an answer that nobody had asked for")
+        return answer_from(content, self._line)
+
+
+def _unreadable(message: str) -> Answer:
+    return Answer("crashed", trouble=Trouble(("Crash",), message))
+
+
+def question(arguments: tuple[Any, ...], options: dict[str, Any]) -> bytes:
+    """Write a question as the frame that is sent, or raise WireError."""
+    return wire.pack((arguments, options))
+
+
 @dataclass
 class Worker:
     """The functions of one notebook, in another process. Use it in a ``with`` block.
@@ -55,6 +104,11 @@ class Worker:
     limits : Limits
     start : callable
         ``start(package, limits)`` starts a process and returns its `Line`.
+
+    Attributes
+    ----------
+    spent : float
+        Seconds that were waited for answers, on the clock of this side: the other may say anything.
     """
 
     cells: list[tuple[int, str]]
@@ -64,6 +118,7 @@ class Worker:
     _line: Line | None = None
     _ready: dict[str, Ready] = field(default_factory=dict)
     _kept: dict[str, int] = field(default_factory=dict)
+    spent: float = field(default=0.0, init=False)
 
     def __enter__(self) -> Worker:
         return self
@@ -107,29 +162,59 @@ class Worker:
         WorkerError
             If no process can be started.
         """
+        (reply,) = self.ask_all(name, [question(arguments, options)], [True], limit)
+        return reply.answer
+
+    def ask_all(
+        self, name: str, questions: Sequence[bytes], refusals: Sequence[bool], limit: float
+    ) -> list[Reply]:
+        """Put several questions to the function `name`, each for at most `limit` seconds of processor time.
+
+        After one that it did not answer with a value the others are not asked; where the item of
+        `refusals` is True they are, if it raised an exception, but for NotImplementedError. So there may be
+        fewer replies than questions, but at least one.
+
+        Parameters
+        ----------
+        questions : sequence of bytes
+            Made by `question`.
+        """
+        if sys.platform == "win32":  # where a pipe that is full cannot be waited for
+            questions, refusals = questions[:1], refusals[:1]
+        replies: list[Reply] = []
+        full: Reply | None = None
+        start = time.monotonic()
         try:
             ready = self._prepare(name)
             if ready.status != "ready" or self._line is None:
-                return _refusal(name, ready)
-            wall = self.limits.wall(limit)
-            before = self._line.received
-            reply = self._line.request(
-                "call",
+                return [Reply(said=_refusal(name, ready))]
+            wall, start = self.limits.wall(limit), time.monotonic()
+            frames = self._line.replies(
+                len(questions),
                 limit + GRACE,
                 wall + GRACE,
+                questions=questions,
+                do="call",
                 name=name,
-                arguments=arguments,
-                options=options,
+                refusals=list(refusals),
                 limit=limit,
                 wall=wall,
             )
+            for frame in frames:
+                if self._keeps(name, frame):
+                    replies.append(Reply(frame, self._line))
+                elif full is None:  # what still comes is read and dropped
+                    full = Reply(said=_too_much(name, self.limits.answers))
         except Gone as gone:
             self.close()
-            return Answer(gone.status, trouble=self._trouble(gone))
-        self._kept[name] = self._kept.get(name, 0) + self._line.received - before
-        if self._kept[name] > self.limits.answers:
-            return _too_much(name, self.limits.answers)
-        return answer_from(reply, self._line)
+            full = full or Reply(said=Answer(gone.status, trouble=self._trouble(gone)))
+        finally:
+            self.spent += time.monotonic() - start
+        return replies if full is None else [*replies, full]
+
+    def _keeps(self, name: str, frame: bytes) -> bool:
+        self._kept[name] = self._kept.get(name, 0) + wire.weight(frame[: wire.HEAD.size])
+        return self._kept[name] <= self.limits.answers
 
     def _start(self) -> dict[Any, Any]:
         self._line = self.start(self.package, self.limits)

@@ -5,9 +5,12 @@ that were its standard input and output; student code finds nothing but the null
 
 - ``load`` (numbers, sizes, text): which functions there are, which are stubs, which cells are broken;
 - ``prepare`` (name, limit, wall): run what that function needs, in a namespace of its own;
-- ``call`` (name, arguments, options, limit, wall): call it.
+- ``call`` (name, refusals, limit, wall), and after it a frame (arguments, options) for each of `refusals`:
+  call it so many times, one reply a call. After a call that did not return, the others are skipped; where the
+  item of `refusals` is True they are not, if the call raised an exception.
 
-`limit` is in seconds of processor time, `wall` in seconds on the clock.
+`limit` is in seconds of processor time for a call, `wall` in seconds on the clock. Before a reply's frame
+stand the number of the request, that of the call, and whether another reply follows (`REPLY`).
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ import faulthandler
 import itertools
 import os
 import random
+import struct
 import sys
 from collections.abc import Callable
 from dataclasses import asdict, astuple, dataclass, field
@@ -38,6 +42,8 @@ from gpcourse.sandbox.program import Program, Statement
 #: Where the place of a crash is written, in the working folder.
 CRASH_FILE = "crash.txt"
 
+#: What stands before the frame of a reply.
+REPLY = struct.Struct("<QI?")
 #: The most names and notes that are handed over.
 _MOST_NAMES, _MOST_NOTES = 10_000, 50
 
@@ -129,11 +135,11 @@ def _module() -> ModuleType:
     return module
 
 
-def reply(answer: Answer, number: int, limit: float, wall: float) -> bytes:
+def reply(answer: Answer, limit: float, wall: float) -> bytes:
     """Write an answer as a frame. A value that cannot be written becomes an exception of the student's."""
     try:
         with deadline(max(limit, 1.0), wall):  # writing runs code of theirs: __array__, __len__, __getitem__
-            return wire.pack(_message(answer, number), lenient=True)
+            return wire.pack(_message(answer), lenient=True)
     except WireError as error:
         trouble = Trouble(("ResultError",), f"the result cannot be read: {error}")
         answer = Answer("raised", trouble=trouble, seconds=answer.seconds)
@@ -143,17 +149,16 @@ def reply(answer: Answer, number: int, limit: float, wall: float) -> bytes:
         answer = Answer("out of memory", trouble=describe(error))
     except BaseException as error:  # noqa: BLE001  # see above
         answer = Answer("raised", trouble=describe(error))
-    return wire.pack(_message(answer, number), lenient=True)
+    return wire.pack(_message(answer), lenient=True)
 
 
-def _message(answer: Answer, number: int) -> Message:
+def _message(answer: Answer) -> Message:
+    # Without the time it took: two that answer the same send the same bytes.
     return {
-        "number": number,
         "status": answer.status,
         "value": answer.value,
         "trouble": _plain(answer.trouble),
         "changed": answer.changed,
-        "seconds": answer.seconds,
     }
 
 
@@ -166,17 +171,45 @@ def serve(read: Callable[[int], bytes], write: Callable[[bytes], Any]) -> None:
     notebook = Notebook()
     while True:
         try:
-            request = wire.receive(read, functions=True)
+            request = wire.receive(read)
         except EOFError:
             return
         number = request.pop("number")
         match request.pop("do"):
             case "call":
-                write(reply(notebook.call(**request), number, request["limit"], request["wall"]))
+                _call_all(notebook, read, write, number, **request)
             case "prepare":
-                write(wire.pack(notebook.prepare(**request) | {"number": number}))
+                write(REPLY.pack(number, 0, False) + wire.pack(notebook.prepare(**request)))
             case "load":
-                write(wire.pack(notebook.load(**request) | {"number": number}))
+                write(REPLY.pack(number, 0, False) + wire.pack(notebook.load(**request)))
+
+
+def _call_all(
+    notebook: Notebook,
+    read: Callable[[int], bytes],
+    write: Callable[[bytes], Any],
+    number: int,
+    *,
+    name: str,
+    refusals: list[bool],
+    limit: float,
+    wall: float,
+) -> None:
+    more = True
+    for i, may_raise in enumerate(refusals):
+        arguments, options = wire.receive(read, functions=True)
+        if not more:
+            continue
+        answer = notebook.call(name, arguments, options, limit, wall)
+        frame = reply(answer, limit, wall)
+        more = i + 1 < len(refusals) and _goes_on(answer, may_raise)
+        write(REPLY.pack(number, i, more) + frame)
+
+
+def _goes_on(answer: Answer, may_raise: bool) -> bool:
+    if answer.status == "raised" and may_raise:  # a stub is asked nothing more
+        return answer.trouble is not None and "NotImplementedError" not in answer.trouble.types
+    return answer.status == "returned"
 
 
 def limit_resources(limits: dict[str, int]) -> None:

@@ -107,4 +107,5 @@ def _described(value: Any) -> str:
         first = _plain(value[0])
         words = _described(value[0]) if first is ... else clean(first, 40)
         return f"a {kind} of {len(value)}, beginning with {words}"
-    return f"a {type(value).__name__}"
+    of = f" of shape {value.shape}" if hasattr(value, "shape") else ""  # as a sparse matrix
+    return f"a {type(value).__name__}{of}"

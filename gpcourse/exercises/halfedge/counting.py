@@ -221,8 +221,7 @@ EULER_CHARACTERISTIC = Exercise(
 def _expect_numbers(f: Asked, what: str, questions: list[tuple[HalfedgeMesh, int, str]]) -> None:
     """Ask all questions before the first answer is judged: one number alone fits several mistakes."""
     answers = [f(mesh) for mesh, _, _ in questions]
-    for i, (answer, (_, want, on)) in enumerate(zip(answers, questions, strict=True)):
-        f.about = i
+    for answer, (_, want, on) in zip(f.each(answers), questions, strict=True):
         mine = expect.integer(answer, what, on=on)
         expect.that(mine == want, f"{what} is not right.", yours=str(mine), truth=str(want), on=on)
 
@@ -417,6 +416,14 @@ def _(mesh: HalfedgeMesh) -> Any:
 )
 def _(mesh: HalfedgeMesh) -> Any:
     return 1 - reference.euler_characteristic(mesh) / 2
+
+
+@GENUS.mistake(
+    "the formula for one closed surface was used for all, and the result rounded down",
+    hint="V − E + F = 2(1 − g) holds for one closed surface. Which of the two does your mesh break?",
+)
+def _(mesh: HalfedgeMesh) -> Any:
+    return (2 - reference.euler_characteristic(mesh)) // 2
 
 
 @GENUS.mistake(

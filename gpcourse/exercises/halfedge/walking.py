@@ -182,8 +182,7 @@ def _expect_neighbours(
 ) -> None:
     """Ask all questions before the first answer is judged: one answer alone fits several mistakes."""
     answers = [f(mesh, v) for mesh, v in questions]
-    for i, ((mesh, v), answer) in enumerate(zip(questions, answers, strict=True)):
-        f.about = i
+    for (mesh, v), answer in zip(questions, f.each(answers), strict=True):
         _judge_neighbours(answer, mesh, v, neighbours_ccw(faces, v)[::sense], sense)
 
 

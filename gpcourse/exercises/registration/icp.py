@@ -147,7 +147,7 @@ def _(f: Asked, rng: Rng) -> None:
         source, target, want = scale * source, scale * target, (R, scale * t)
         on = f"{len(source)} of {n} points, turned by {np.degrees(angle):.0f}°, {2 * scale:g} wide"
         cases.append((source, target, want, scale, on, f(source, target, None, 40, 1e-12 * scale)))
-    for source, target, want, scale, on, value in cases:
+    for f.about, (source, target, want, scale, on, value) in enumerate(cases):
         # Once all pairs are right the next step is exact. Over 60 scans that takes 3 to 23 iterations.
         _expect_pose(_result(value, 40, on), want, source, target, 1e-6, on, scale)
 

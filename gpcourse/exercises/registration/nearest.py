@@ -121,7 +121,7 @@ def _(f: Asked, rng: Rng) -> None:
     small = _cloud(rng, 3)
     asked = ((points, queries), (small, queries[:4]))
     answers = [f(*arguments) for arguments in asked]
-    for (cloud, some), answer in zip(asked, answers, strict=True):
+    for (cloud, some), answer in zip(asked, f.each(answers), strict=True):
         _expect_nearest(answer, cloud, some, f"{len(cloud)} points, {len(some)} queries")
 
 
@@ -132,7 +132,7 @@ def _(f: Asked, rng: Rng) -> None:
         points = scale * _cloud(rng, 150)
         cases.append((scale, points, _queries(rng, points, 24)))
     answers = [f(points, queries) for _, points, queries in cases]
-    for (scale, points, queries), answer in zip(cases, answers, strict=True):
+    for (scale, points, queries), answer in zip(cases, f.each(answers), strict=True):
         _expect_nearest(answer, points, queries, f"points of size {scale:g}")
 
 
@@ -151,7 +151,7 @@ def _(f: Asked, rng: Rng) -> None:
         )
     ]
     answers = [f(cloud, queries, 4) for cloud, queries, _ in cases]
-    for (cloud, queries, on), answer in zip(cases, answers, strict=True):
+    for (cloud, queries, on), answer in zip(cases, f.each(answers), strict=True):
         _expect_nearest(answer, cloud, queries, on)
 
 
@@ -161,7 +161,7 @@ def _(f: Asked, rng: Rng) -> None:
     points = rng.uniform(size=(1500, 3)) * [0.25, 1.0, 1.0]
     queries = rng.uniform(size=(20, 3)) * [0.25, 1.0, 1.0]
     answers = [f(scale * points, scale * queries) for scale in (1.0, 30.0)]
-    for scale, answer in zip((1.0, 30.0), answers, strict=True):
+    for scale, answer in zip((1.0, 30.0), f.each(answers), strict=True):
         on = f"1500 points spread evenly in a flat box of size {scale:g}"
         _, _, visited = _expect_nearest(answer, scale * points, scale * queries, on)
         share = float(visited.mean()) / len(points)
@@ -378,7 +378,7 @@ def _expect_mask(value: object, truth: BoolArray, on: str, pairs: pictures.Pairs
 def _(f: Asked, rng: Rng) -> None:
     cases = [_pairs(rng, scale) for scale in (1.0, 100.0, 0.01)]
     answers = [f(*arguments) for arguments, _ in cases]
-    for (arguments, truth), answer in zip(cases, answers, strict=True):
+    for (arguments, truth), answer in zip(cases, f.each(answers), strict=True):
         on = f"40 pairs, max_distance {arguments[4]:g}, max_angle {arguments[5]:.2f}"
         _expect_mask(answer, truth, on, pictures.Pairs(*arguments[:2]))
 
@@ -434,6 +434,15 @@ def _(p: Any, q: Any, normals_p: Any, normals_q: Any, max_distance: float, max_a
 
 
 @REJECT_PAIRS.mistake(
+    "the angle was measured in degrees",
+    hint="max_angle is in radians. How large is a right angle in your numbers?",
+)
+def _(p: Any, q: Any, normals_p: Any, normals_q: Any, max_distance: float, max_angle: float) -> Any:
+    d, w = _tests(p, q, normals_p, normals_q)
+    return (d <= max_distance) & (np.degrees(w) <= max_angle)
+
+
+@REJECT_PAIRS.mistake(
     "opposite normals were taken for like ones",
     hint="The two sides of a thin sheet: should their points be matched?",
 )
@@ -477,7 +486,7 @@ def _(f: Asked, rng: Rng) -> None:
         distances = scale * rng.gamma(2.0, size=int(rng.integers(41, 60)))
         cases.append((distances, keep))
     answers = [f(*case) for case in cases]
-    for (distances, keep), answer in zip(cases, answers, strict=True):
+    for (distances, keep), answer in zip(cases, f.each(answers), strict=True):
         on = f"{len(distances)} distances, keep = {keep}"
         mine = mask(answer, len(distances), on=on)
         kept, wanted = int(mine.sum()), keep * len(distances)
@@ -571,7 +580,7 @@ def _(f: Asked, rng: Rng) -> None:
         border[[0, 1, n - 1]] = rng.permutation([True, False, True])
         cases.append((rng.integers(0, n, size=m), border))
     answers = [f(*case) for case in cases]
-    for (indices, border), answer in zip(cases, answers, strict=True):
+    for (indices, border), answer in zip(cases, f.each(answers), strict=True):
         on = f"{len(indices)} pairs, {len(border)} vertices"
         truth = np.array([not border[i] for i in indices.tolist()])
         _expect_mask(answer, truth, on)

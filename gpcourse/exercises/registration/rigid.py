@@ -94,7 +94,7 @@ def _(f: Asked, rng: Rng) -> None:
         want = random_motion(rng, scale)
         p = moved(q, *want)
         cases.append((p, q, want, scale, f(p, q)))
-    for p, q, want, scale, answer in cases:
+    for f.about, (p, q, want, scale, answer) in enumerate(cases):
         on = f"{len(q)} points of size {scale:g}"
         _expect_motion(motion(answer, on=on, clouds=(p, q)), want, 4 * scale, (p, q), on)
 
@@ -106,7 +106,7 @@ def _(f: Asked, rng: Rng) -> None:
         q = rng.normal(size=(16, 3)) + 2 * rng.normal(size=3)
         p = moved(q, *random_motion(rng, 2.0)) + noise * rng.normal(size=q.shape)
         cases.append((p, q, f(p, q)))
-    for p, q, answer in cases:
+    for f.about, (p, q, answer) in enumerate(cases):
         on = f"{len(q)} noisy pairs"
         _expect_best(motion(answer, on=on, clouds=(p, q)), p, q, np.ones(len(q)), on)
 
@@ -116,9 +116,10 @@ def _(f: Asked, rng: Rng) -> None:
     p, q, want = _mirrored(rng)
     noisy = p + 0.02 * rng.normal(size=p.shape)
     exact, rough = f(p, q), f(noisy, q)
-    on = "points near a plane, noisy across it"
+    f.about, on = 0, "points near a plane, noisy across it"
     # As above, but the third direction is 30 times shorter: 1e-12 still leaves a hundredfold.
     _expect_motion(motion(exact, on=on, clouds=(p, q)), want, 4.0, (p, q), on)
+    f.about = 1
     _expect_best(motion(rough, on=on, clouds=(noisy, q)), noisy, q, np.ones(len(q)), on)
 
 
@@ -136,14 +137,14 @@ def _(f: Asked, rng: Rng) -> None:
     plane = rng.normal(size=(7, 2)) @ rng.normal(size=(2, 3))
     line = rng.normal(size=(6, 1)) * rng.normal(size=3) + rng.normal(size=3)
     answers = [f(moved(q, *want), q) for q in (plane, line)]
-    on = "7 points in a plane"
-    mine = motion(answers[0], on=on)
-    # In a plane the motion is still unique; the worst of 1000 random planes lost four digits.
+    f.about, on = 0, "7 points in a plane"
     p = moved(plane, *want)
+    mine = motion(answers[0], on=on, clouds=(p, plane))
+    # In a plane the motion is still unique; the worst of 1000 random planes lost four digits.
     expect.close(
         mine[0], want[0], 1e-9, "R", on=on, **pictures.of_alignment(p, plane, mine, want, pairs=True)
     )
-    on = "6 points on a line"
+    f.about, on = 1, "6 points on a line"
     R, t = motion(answers[1], on=on)
     shown = pictures.Positions(line, None, item="point")
     expect.close(moved(line, R, t), moved(line, *want), 1e-9, "The moved points", on=on, shown=shown)
@@ -159,9 +160,9 @@ def _(f: Asked, rng: Rng) -> None:
     noisy = moved(q, *want) + 0.3 * rng.normal(size=q.shape)
     graded = rng.uniform(0.1, 5, size=15)
     exact, rough = f(p, q, trusted), f(noisy, q, graded)
-    on = "15 pairs, 4 of them wrong and of weight 0"
+    f.about, on = 0, "15 pairs, 4 of them wrong and of weight 0"
     _expect_motion(motion(exact, on=on, clouds=(p, q)), want, 4.0, (p, q), on)
-    on = "15 noisy pairs with different weights"
+    f.about, on = 1, "15 noisy pairs with different weights"
     _expect_best(motion(rough, on=on, clouds=(noisy, q)), noisy, q, graded, on)
 
 
@@ -277,6 +278,16 @@ def _(p: FloatArray, q: FloatArray, weights: Any = None) -> Any:
 
 
 @RIGID_TRANSFORM.mistake(
+    "q̄ was turned the other way: a row times R is what Rᵀ does to a column",
+    hint="Points are rows here. Which product turns a row by R: with R or with Rᵀ on its right?",
+)
+def _(p: FloatArray, q: FloatArray, weights: Any = None) -> Any:
+    U, V, a, b, D = _svd(p, q, weights, weights)
+    R = V @ D @ U.T
+    return R, a - b @ R
+
+
+@RIGID_TRANSFORM.mistake(
     "the rotation was applied to p̄ in place of q̄",
     hint="Which of the two clouds is turned?",
 )
@@ -368,7 +379,7 @@ def _(f: Asked, rng: Rng) -> None:
         q, t = scale * rng.normal(size=(40, 3)), scale * rng.normal(size=3)
         n = _directions(rng, 40)
         cases.append((q, t, scale, f(q + t, q, n)))
-    for q, t, scale, answer in cases:
+    for f.about, (q, t, scale, answer) in enumerate(cases):
         on = f"a cloud of size {scale:g} and its translate"
         R, shift = motion(answer, on=on)
         drawn = pictures.of_alignment(q + t, q, (R, shift), (np.eye(3), t), pairs=True)
@@ -385,7 +396,7 @@ def _(f: Asked, rng: Rng) -> None:
         want = turn(rng.normal(size=3), small), small * rng.normal(size=3)
         p = moved(q, *want)
         cases.append((small, want, p, q, n @ want[0].T, f(p, q, n @ want[0].T)))
-    for small, want, p, q, _, answer in cases:
+    for f.about, (small, want, p, q, _, answer) in enumerate(cases):
         on = f"a turn by {small:g} and a shift of that size"
         R, t = motion(answer, on=on)
         drawn = pictures.of_alignment(p, q, (R, t), want, pairs=True)
@@ -408,7 +419,7 @@ def _(f: Asked, rng: Rng) -> None:
         p, q, n, _motion = _turned(rng)
         p = p + 0.05 * rng.normal(size=p.shape)
         cases.append((p, q, n, f(p, q, n)))
-    for p, q, n, answer in cases:
+    for f.about, (p, q, n, answer) in enumerate(cases):
         on = "a turn by about 30°, with noise"
         R, t = motion(answer, on=on)
         # Rounding leaves 1e-15. I + [r]× is off by r², here by 0.05 or more.

@@ -52,7 +52,7 @@ RANDOM_SAMPLING = Exercise(
 def _(f: Asked, rng: Rng) -> None:
     cases = [(30, 25, int(rng.integers(2**31))), (12, 12, int(rng.integers(2**31))), (9, 1, 5)]
     answers = [f(*case) for case in cases]
-    for (n, k, seed), answer in zip(cases, answers, strict=True):
+    for (n, k, seed), answer in zip(cases, f.each(answers), strict=True):
         sample(answer, n, k, on=f"{k} of {n} points, seed {seed}")
 
 
@@ -181,7 +181,7 @@ def _(f: Asked, rng: Rng) -> None:
     cases = [(_uneven(rng, n), k) for n, k in ((150, 20), (60, 5))]
     cases.append((100 * cases[0][0], 9))
     answers = [f(*case) for case in cases]
-    for (points, k), answer in zip(cases, answers, strict=True):
+    for (points, k), answer in zip(cases, f.each(answers), strict=True):
         on = f"{k} of {len(points)} points, denser on one side"
         chosen = sample(answer, len(points), k, on=on)
         distances = brute_force(points[chosen], points)
@@ -224,10 +224,12 @@ def _(f: Asked, rng: Rng) -> None:
     points = places[rng.permutation(np.repeat(np.arange(5), 3))]
     on = "15 points in 5 places"
     few, every = f(points, 5), f(points, 15)
+    f.about = 0
     chosen = sample(few, 15, 5, on=on)
     expect.that(
         len(np.unique(points[chosen], axis=0)) == 5, "Two chosen points are in the same place.", on=on
     )
+    f.about = 1
     sample(every, 15, 15, on=f"all of {on}")
 
 
@@ -344,7 +346,7 @@ def _(f: Asked, rng: Rng) -> None:
     normals, _ = _grooved_normals(rng)
     cases = [(normals, 24), (normals[:50], 50), (normals, 110), (landscape(rng, 49).normals, 30)]
     answers = [f(*case, int(rng.integers(2**31))) for case in cases]
-    for (some, k), answer in zip(cases, answers, strict=True):
+    for (some, k), answer in zip(cases, f.each(answers), strict=True):
         sample(answer, len(some), k, on=f"{k} of {len(some)} points")
 
 
@@ -537,7 +539,7 @@ def _speeds(surface: Surface, motions: FloatArray) -> FloatArray:
 def _(f: Asked, rng: Rng) -> None:
     cases = _known_surfaces(rng)
     answers = [f(surface.points, surface.normals) for _, _, surface in cases]
-    for (name, count, surface), answer in zip(cases, answers, strict=True):
+    for (name, count, surface), answer in zip(cases, f.each(answers), strict=True):
         values, _ = _analysis(answer, name)
         # Exact normals: a slipping motion has 1e-16, the others here never less than 1e-4 of the largest.
         zeros = int(np.count_nonzero(np.abs(values) < 1e-8 * np.abs(values).max()))
@@ -557,7 +559,7 @@ def _(f: Asked, rng: Rng) -> None:
 def _(f: Asked, rng: Rng) -> None:
     cases = _known_surfaces(rng)[1:]
     answers = [f(surface.points, surface.normals) for _, _, surface in cases]
-    for (name, _, surface), answer in zip(cases, answers, strict=True):
+    for (name, _, surface), answer in zip(cases, f.each(answers), strict=True):
         values, motions = _analysis(answer, name)
         # eigh leaves 1e-15; 1e-6 also admits single precision.
         gram = motions.T @ motions
@@ -729,7 +731,7 @@ def _(f: Asked, rng: Rng) -> None:
     plate, hills = _grooved_plate(rng), landscape(rng, 60)
     cases = [(plate, 60), (hills, 60), (hills, 7)]
     answers = [f(surface.points, surface.normals, k) for surface, k in cases]
-    for (surface, k), answer in zip(cases, answers, strict=True):
+    for (surface, k), answer in zip(cases, f.each(answers), strict=True):
         sample(answer, len(surface.points), k, on=f"{k} of {len(surface.points)} points")
 
 
@@ -745,7 +747,7 @@ def _(f: Asked, rng: Rng) -> None:
         (ball, "a dented ball"),
     ]
     answers = [f(surface.points, surface.normals, 40) for surface, _ in cases]
-    for (surface, name), answer in zip(cases, answers, strict=True):
+    for (surface, name), answer in zip(cases, f.each(answers), strict=True):
         n = len(surface.points)
         usual = float(np.median([_condition(surface, rng.choice(n, 40, replace=False)) for _ in range(25)]))
         on = f"40 of {n} points of {name}"

@@ -65,7 +65,7 @@ def _overlapping(rng: Rng, scale: float) -> tuple[_Overlap, BoolArray]:
 def _(f: Asked, rng: Rng) -> None:
     cases = [(scale, *_overlapping(rng, scale)) for scale in (1.0, 100.0, 0.01)]
     answers = [f(*arguments) for _, arguments, _ in cases]
-    for (scale, (source, *_, limit), truth), answer in zip(cases, answers, strict=True):
+    for (scale, (source, *_, limit), truth), answer in zip(cases, f.each(answers), strict=True):
         on = f"{len(source)} points and 70 points of size {scale:g}, max_distance = {limit:g}"
         mine = mask(answer, len(source), on=on)
         expect.flags(mine, truth, ("in the overlap", "outside"), on=on, shown=pictures.Marks(source))
@@ -78,10 +78,10 @@ def _(f: Asked, rng: Rng) -> None:
     source = moved(target, *inverse(R, t))
     itself = f(source, target, R, t, 0.01)
     nothing = f(source, target + 50.0, R, t, 0.5)
-    on = "a scan and itself"
+    f.about, on = 0, "a scan and itself"
     names, shown = ("in the overlap", "outside"), pictures.Marks(source)
     expect.flags(mask(itself, 40, on=on), np.ones(40, dtype=bool), names, on=on, shown=shown)
-    on = "two scans far from each other"
+    f.about, on = 1, "two scans far from each other"
     expect.flags(mask(nothing, 40, on=on), np.zeros(40, dtype=bool), names, on=on, shown=shown)
 
 

@@ -59,7 +59,7 @@ Cells = list[tuple[FloatArray, IntArray, FloatArray, str]]
 
 def _expect_cells(f: Asked, inputs: Cells) -> None:
     answers = [f(vertices, faces) for vertices, faces, _, _ in inputs]
-    for value, (vertices, faces, truth, on) in zip(answers, inputs, strict=True):
+    for value, (vertices, faces, truth, on) in zip(f.each(answers), inputs, strict=True):
         bare = shapes.Shape(
             "mesh", vertices, faces, boundary_lengths=(3,), interior=np.ones(len(vertices), dtype=bool)
         )
@@ -99,7 +99,7 @@ def _declare_total(exercise: Exercise) -> None:
             (apart(rng), "two pieces"),
         ]
         answers = [f(shape.vertices, faces_of(shape)) for shape, _ in for_all]
-        for value, (shape, on) in zip(answers, for_all, strict=True):
+        for value, (shape, on) in zip(f.each(answers), for_all, strict=True):
             mine = expect.array(value, (len(shape.vertices),), "The array of areas", on=on)
             total = float(truths.face_areas(shape.vertices, faces_of(shape)).sum())
             size = max(total, float(np.abs(mine).max()))
@@ -452,7 +452,7 @@ MASS_MATRIX = Exercise(
 def _(f: Asked, rng: Rng) -> None:
     for_all = [(closed(rng), "a closed mesh"), (bounded(rng), "a mesh with holes")]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _ in for_all]
-    for value, (shape, on) in zip(answers, for_all, strict=True):
+    for value, (shape, on) in zip(f.each(answers), for_all, strict=True):
         place = shape.vertices, faces_of(shape)
         expecting.matrix(value, np.diag(truths.mixed_areas(*place)), *place, on=on)
 
@@ -462,8 +462,7 @@ def _(f: Asked, rng: Rng) -> None:
     shape = bounded(rng)
     names = [str(name) for name in rng.permutation(list(truths.CELLS))]
     answers = [f(shape.vertices, faces_of(shape), cells=name) for name in names]
-    for i, (value, name) in enumerate(zip(answers, names, strict=True)):
-        f.about = i
+    for value, name in zip(f.each(answers), names, strict=True):
         place = shape.vertices, faces_of(shape)
         truth = np.diag(truths.CELLS[name](*place))
         expecting.matrix(value, truth, *place, on=f"a mesh with holes and obtuse angles, cells={name!r}")

@@ -70,7 +70,7 @@ def _(f: Asked, rng: Rng) -> None:
 def _(f: Asked, rng: Rng) -> None:
     for_all = [(closed(rng), "a closed mesh"), (bounded(rng), "a mesh with holes")]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _ in for_all]
-    for value, (shape, on) in zip(answers, for_all, strict=True):
+    for value, (shape, on) in zip(f.each(answers), for_all, strict=True):
         expecting.values(value, _half_gradient(shape), shape, "H n", on=on, only=shape.interior)
 
 
@@ -108,6 +108,14 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 )
 def _(vertices: FloatArray, faces: IntArray) -> Any:
     return -truths.laplacian(vertices, faces) @ vertices
+
+
+@MEAN_CURVATURE_NORMAL.mistake(
+    "the factor ½ was applied twice",
+    hint="Δx = −2 H n, and the cotangent matrix has a ½ already. How many are left to apply?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    return -0.25 * truths.laplacian(vertices, faces) @ vertices
 
 
 @MEAN_CURVATURE_NORMAL.mistake(
@@ -172,7 +180,7 @@ def _(f: Asked, rng: Rng) -> None:
     ball = sphere(rng, R)
     n, normals = len(ball.vertices), ball.vertices / R
     answers = [f(ball.vertices, faces_of(ball), sign * normals) for sign in (1.0, -1.0)]
-    for value, sign, way in zip(answers, (1.0, -1.0), ("outward", "inward"), strict=True):
+    for value, sign, way in zip(f.each(answers), (1.0, -1.0), ("outward", "inward"), strict=True):
         on = f"a sphere of radius {R:.3g} with {way} normals"
         expecting.values(value, np.full(n, sign / R), ball, "H", on=on, scale=10 / R)
 
@@ -193,7 +201,7 @@ def _(f: Asked, rng: Rng) -> None:
 def _(f: Asked, rng: Rng) -> None:
     for_all = [(closed(rng), "a closed mesh"), (bounded(rng), "a mesh with holes")]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _ in for_all]
-    for value, (shape, on) in zip(answers, for_all, strict=True):
+    for value, (shape, on) in zip(f.each(answers), for_all, strict=True):
         truth = np.linalg.norm(_half_gradient(shape), axis=1)
         expecting.values(value, truth, shape, "|H|", on=on, only=shape.interior)
 
@@ -297,7 +305,7 @@ ANGLE_DEFECT = Exercise(
 def _expect_defects(f: Asked, for_all: list[tuple[shapes.Shape, FloatArray | None, str]]) -> None:
     """Expect the defects of each shape; None stands for those worked out from half chords."""
     answers = [f(shape.vertices, faces_of(shape)) for shape, _, _ in for_all]
-    for value, (shape, known, on) in zip(answers, for_all, strict=True):
+    for value, (shape, known, on) in zip(f.each(answers), for_all, strict=True):
         truth = truths.defects(shape.vertices, faces_of(shape)) if known is None else known
         # The terms are angles; single precision loses 4e-7 of a sum of 2π.
         expecting.values(value, truth, shape, "The angle defect", on=on, scale=2 * np.pi)
@@ -333,7 +341,7 @@ def _(f: Asked, rng: Rng) -> None:
         (patch(rng), 1, "a disc"),
     ]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _, _ in for_all]
-    for value, (shape, chi, on) in zip(answers, for_all, strict=True):
+    for value, (shape, chi, on) in zip(f.each(answers), for_all, strict=True):
         n = len(shape.vertices)
         mine = expect.array(value, (n,), "The array of defects", on=on)
         picture = pictures.of_own(shape.vertices, faces_of(shape), mine, "defect")
@@ -466,7 +474,7 @@ def _(f: Asked, rng: Rng) -> None:
     sizes = rng.permutation([0.01, 1.0, 100.0])
     placed = [turned(s, rng).scaled(size) for s, size in zip(solids, sizes, strict=True)]
     answers = [f(s.vertices, faces_of(s)) for s in placed]
-    for value, s, size in zip(answers, placed, sizes, strict=True):
+    for value, s, size in zip(f.each(answers), placed, sizes, strict=True):
         K = 4 * np.pi / truths.face_areas(s.vertices, faces_of(s)).sum()
         expecting.values(value, np.full(len(s.vertices), K), s, "K", on=f"{s.name}, times {size:g}")
 
@@ -479,7 +487,7 @@ def _(f: Asked, rng: Rng) -> None:
         (patch(rng), 1, "a disc"),
     ]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _, _ in for_all]
-    for value, (shape, chi, on) in zip(answers, for_all, strict=True):
+    for value, (shape, chi, on) in zip(f.each(answers), for_all, strict=True):
         n, areas = len(shape.vertices), truths.mixed_areas(shape.vertices, faces_of(shape))
         K = expect.array(value, (n,), "The array of curvatures", on=on)
         picture = pictures.of_own(shape.vertices, faces_of(shape), K, "K")
@@ -490,7 +498,7 @@ def _(f: Asked, rng: Rng) -> None:
 def _(f: Asked, rng: Rng) -> None:
     for_all = [(closed(rng), "a closed mesh"), (bounded(rng), "a mesh with holes")]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _ in for_all]
-    for value, (shape, on) in zip(answers, for_all, strict=True):
+    for value, (shape, on) in zip(f.each(answers), for_all, strict=True):
         expecting.values(value, _gaussian(shape), shape, "K", on=on)
 
 
@@ -688,7 +696,7 @@ _FACE_KEYS = ("smallest_angle", "aspect_ratio", "radius_ratio")
 
 def _expect_quality(f: Asked, inputs: list[tuple[FloatArray, IntArray, dict[str, Any], str]]) -> None:
     answers = [f(vertices, faces) for vertices, faces, _, _ in inputs]
-    for value, (vertices, faces, truth, on) in zip(answers, inputs, strict=True):
+    for value, (vertices, faces, truth, on) in zip(f.each(answers), inputs, strict=True):
         expect.that(value is not None, "The result is None: is a `return` missing?", on=on)
         is_dict = isinstance(value, dict)
         message = f"The result should be a dict; it is a {type(value).__name__}."

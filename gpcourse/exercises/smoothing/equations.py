@@ -62,8 +62,9 @@ def _(f: Asked, rng: Rng) -> None:
     x, y, _z = square.vertices.T
     truth, noise = x**2 - y**2, rng.uniform(-1.0, 1.0, len(boundary))
     harmonic, rough = f(C, boundary, truth[boundary]), f(C, boundary, noise)
+    f.about = 0
     expecting.values(harmonic, truth, square, "f", on="a square with x² − y² at its boundary", scale=5.0)
-    on = "a square with random values at its boundary"
+    f.about, on = 1, "a square with random values at its boundary"
     mine = expect.array(rough, (len(x),), "f", on=on)
     beyond = np.maximum(mine - noise.max(), noise.min() - mine)
     picture = pictures.of_own(square.vertices, faces_of(square), np.maximum(beyond, 0), "beyond the given")
@@ -417,10 +418,11 @@ def _(f: Asked, rng: Rng) -> None:
     n, areas = len(shape.vertices), M.diagonal()
     start, t = rng.uniform(0.0, 1.0, n), float(areas.mean() * rng.uniform(0.5, 5.0))
     answers = [f(C, M, start, t), f(C, M, np.full(n, 2.0), t)]
-    on = "a mesh with holes"
+    f.about, on = 0, "a mesh with holes"
     mine = expect.array(answers[0], (n,), "f′", on=on)
     total = float(areas @ start)
     expect.close(float(areas @ mine), total, ITERATED * float(areas.sum()), "The integral of f′", on=on)
+    f.about = 1
     expecting.values(answers[1], np.full(n, 2.0), shape, "f′", on=f"f = 2 all over {on}", scale=100.0)
 
 
@@ -432,7 +434,7 @@ def _(f: Asked, rng: Rng) -> None:
     start = rng.normal(size=(n, 2))
     steps = [float(areas.mean() * factor) for factor in (1.0, 1e4)]
     answers = [f(C, M, start, t) for t in steps]
-    for value, t, on in zip(answers, steps, ("t as large as a cell", "a huge t"), strict=True):
+    for value, t, on in zip(f.each(answers), steps, ("t as large as a cell", "a huge t"), strict=True):
         mine = expect.array(value, (n, 2), "f′", on=on)
         residual = (M @ (mine - start) - t * (C @ mine)) / areas.mean()
         size = (float(areas.max()) + t * float(abs(C).max())) / areas.mean()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -42,7 +43,9 @@ DIRICHLET_ENERGY = Exercise(
 )
 
 
-def _expect_energies(answers: list[Any], truths_: list[float], names: list[str], sizes: list[float]) -> None:
+def _expect_energies(
+    answers: Iterable[Any], truths_: list[float], names: list[str], sizes: list[float]
+) -> None:
     for value, truth, on, size in zip(answers, truths_, names, sizes, strict=True):
         mine = expect.number(value, "The energy", on=on)
         expect.close(mine, truth, SOLVED * size, "The energy", on=on)
@@ -70,7 +73,7 @@ def _(f: Asked, rng: Rng) -> None:
     answers = [f(matrices(shape)[0], shape.vertices) for shape in many]
     areas = [float(truths.face_areas(shape.vertices, faces_of(shape)).sum()) for shape in many]
     sizes = [10 * area for area in areas]
-    _expect_energies(answers, [2 * area for area in areas], ["a sphere", "a mesh with holes"], sizes)
+    _expect_energies(f.each(answers), [2 * area for area in areas], ["a sphere", "a mesh with holes"], sizes)
 
 
 @DIRICHLET_ENERGY.check("a mode of frequency ω, of length 1 in M, has the energy ω")
@@ -82,7 +85,9 @@ def _(f: Asked, rng: Rng) -> None:
     answers = [f(C, phi[:, i]), f(C, phi[:, [i, j]])]
     truth = [float(frequencies[i]), float(frequencies[i] + frequencies[j])]
     sizes = [10 * float(frequencies[12])] * 2
-    _expect_energies(answers, truth, ["one mode of a closed mesh", "two modes of a closed mesh"], sizes)
+    _expect_energies(
+        f.each(answers), truth, ["one mode of a closed mesh", "two modes of a closed mesh"], sizes
+    )
 
 
 @DIRICHLET_ENERGY.variant("edge by edge: weights times squared differences")
@@ -156,7 +161,7 @@ def _(f: Asked, rng: Rng) -> None:
     # The edges of a tetrahedron in a sphere of radius s have length s √(8/3).
     areas = [6 * s**2, 8 / np.sqrt(3) * s**2, s**2]
     names = [f"{name}, size {s:.3g}" for name in ("a cube of triangles", "a tetrahedron", "a flat square")]
-    _expect_energies(answers, areas, names, areas)
+    _expect_energies(f.each(answers), areas, names, areas)
 
 
 @MEMBRANE_ENERGY.check("obtuse triangles, holes and several components")
@@ -164,7 +169,7 @@ def _(f: Asked, rng: Rng) -> None:
     many = [closed(rng), bounded(rng), apart(rng)]
     answers = [f(shape.vertices, faces_of(shape)) for shape in many]
     areas = [_heron(shape) for shape in many]
-    _expect_energies(answers, areas, ["a closed mesh", "a mesh with holes", "two components"], areas)
+    _expect_energies(f.each(answers), areas, ["a closed mesh", "a mesh with holes", "two components"], areas)
 
 
 def _heron(shape: shapes.Shape) -> float:
@@ -239,7 +244,7 @@ def _(f: Asked, rng: Rng) -> None:
     answers = [f(C, M, phi[:, i]), f(C, M, phi[:, [i, j]])]
     squares = frequencies**2
     names, sizes = ["one mode of a closed mesh", "two modes of a closed mesh"], [10 * float(squares[12])] * 2
-    _expect_energies(answers, [float(squares[i]), float(squares[i] + squares[j])], names, sizes)
+    _expect_energies(f.each(answers), [float(squares[i]), float(squares[i] + squares[j])], names, sizes)
 
 
 @THIN_PLATE_ENERGY.check("of the positions: four times the integral of H²")
@@ -251,7 +256,7 @@ def _(f: Asked, rng: Rng) -> None:
     areas = [float(truths.face_areas(s.vertices, faces_of(s)).sum()) for s in solids]
     names = [f"a regular {s.name} on a sphere of radius {R:.3g}" for s in solids]
     energies = [4 * area / R**2 for area in areas]
-    _expect_energies(answers, energies, names, energies)
+    _expect_energies(f.each(answers), energies, names, energies)
 
 
 @THIN_PLATE_ENERGY.check("the integral of the squared Laplacian of any function, cell by cell")
@@ -361,7 +366,7 @@ def _(f: Asked, rng: Rng) -> None:
 def _(f: Asked, rng: Rng) -> None:
     many = [(_samples(rng), float(rng.uniform(-4.0, 4.0)), float(rng.uniform(-4.0, 4.0))) for _ in range(3)]
     answers = [f(t, left, right) for t, left, right in many]
-    for value, (t, left, right) in zip(answers, many, strict=True):
+    for value, (t, left, right) in zip(f.each(answers), many, strict=True):
         _expect_string(value, t, left, right, f"{len(t)} samples in uneven steps")
 
 
@@ -509,7 +514,7 @@ def _expect_fair(f: Asked, rng: Rng, orders: tuple[int, ...]) -> None:
     for order in orders:
         shape, fixed = _sheet(rng, order)
         asked.append((f(shape.vertices, faces_of(shape), fixed, order), shape, fixed, order))
-    for value, shape, fixed, order in asked:
+    for f.about, (value, shape, fixed, order) in enumerate(asked):
         on = f"a bumpy sheet, order {order}"
         mine = expect.array(value, shape.vertices.shape, "The array of positions", on=on)
         size = float(np.ptp(shape.vertices, axis=0).max()) + float(np.abs(shape.vertices).max())

@@ -84,7 +84,7 @@ def _(f: Asked, rng: Rng) -> None:
     shape = closed(rng)
     L, steps = _uniform(shape), (0.0, float(rng.uniform(0.1, 0.9)), -0.25)
     answers = [f(shape.vertices, L, lam) for lam in steps]
-    for value, lam in zip(answers, steps, strict=True):
+    for value, lam in zip(f.each(answers), steps, strict=True):
         # The mean over the neighbours has the weight λ, the vertex itself the rest.
         mean = (truths.dense(L) + np.eye(len(shape.vertices))) @ shape.vertices
         truth = (1 - lam) * shape.vertices + lam * mean
@@ -161,7 +161,7 @@ def _(f: Asked, rng: Rng) -> None:
     for_all = [(closed(rng), "a closed mesh"), (bounded(rng), "a mesh with holes")]
     asked = [(*matrices(shape), on) for shape, on in for_all]
     answers = [f(C, M) for C, M, _ in asked]
-    for value, (C, M, on) in zip(answers, asked, strict=True):
+    for value, (C, M, on) in zip(f.each(answers), asked, strict=True):
         step = expect.number(value, "The step", on=on)
         fastest = float(truths.modes(C, M)[0][-1])
         below, above = abs(1 - 0.999 * step * fastest), abs(1 - 1.001 * step * fastest)
@@ -177,7 +177,7 @@ def _(f: Asked, rng: Rng) -> None:
     sides = [float(rng.uniform(0.5, 2.0)), 0.01, 100.0]
     asked = [(*matrices(rectangle.scaled(side)), side) for side in sides]
     answers = [f(C, M) for C, M, _ in asked]
-    for value, (_, _, side) in zip(answers, asked, strict=True):
+    for value, (_, _, side) in zip(f.each(answers), asked, strict=True):
         mine, on = expect.number(value, "The step"), f"a rectangle of sides {side:.3g} and {side / 2:.3g}"
         # The fastest mode changes its sign from vertex to vertex, along both axes: λ = −4/h² − 4/k² with
         # h = a/5 and k = a/10. A square would give 1/|λ| the size of the smallest cell's half.
@@ -191,7 +191,7 @@ def _(f: Asked, rng: Rng) -> None:
     asked = [(*matrices(solid), solid.name) for solid in solids]
     answers = [f(C, M) for C, M, _ in asked]
     # Tetrahedron: three neighbours, all other modes have λ = −2/R². Octahedron: the fastest has λ = −3/R².
-    for value, (_, _, on), truth in zip(answers, asked, (R**2, 2 * R**2 / 3), strict=True):
+    for value, (_, _, on), truth in zip(f.each(answers), asked, (R**2, 2 * R**2 / 3), strict=True):
         mine = expect.number(value, "The step", on=on)
         expect.close(mine, truth, 1e-5 * truth, "The largest stable step", on=on)
 
@@ -286,7 +286,7 @@ def _(f: Asked, rng: Rng) -> None:
     solids = [turned(shapes.shuffled(s, rng), rng) for s in (shapes.tetrahedron(R), shapes.icosahedron(R))]
     lam = float(rng.uniform(0.5, 2.0) * R**2)
     answers = [f(s.vertices, *matrices(s), lam) for s in solids]
-    for value, s in zip(answers, solids, strict=True):
+    for value, s in zip(f.each(answers), solids, strict=True):
         on = f"a regular {s.name} on a sphere of radius {R:.3g}, λ = {lam / R**2:.3g} R²"
         expecting.positions(value, s.vertices / (1 + 2 * lam / R**2), s, on=on)
 
@@ -300,7 +300,7 @@ def _(f: Asked, rng: Rng) -> None:
         C, M = matrices(shape)
         lam = factor * float(M.diagonal().mean())
         asked.append((f(shape.vertices, C, M, lam), shape, C, M, lam, factor))
-    for value, shape, C, M, lam, factor in asked:
+    for f.about, (value, shape, C, M, lam, factor) in enumerate(asked):
         on, areas = f"a mesh with a boundary, λ of {factor:g} cells", M.diagonal()
         mine = expect.array(value, shape.vertices.shape, "The array of positions", on=on)
         residual = (M @ (mine - shape.vertices) - lam * (C @ mine)) / areas.mean()
@@ -334,8 +334,7 @@ def _(f: Asked, rng: Rng) -> None:
     lam = float(M.diagonal().mean() * rng.uniform(50.0, 500.0))
     answers = [f(shape.vertices, C, M, lam, solver=solver) for solver in ("cg", "cholesky")]
     truth = _step(shape.vertices, C, M, lam)
-    for i, (value, solver) in enumerate(zip(answers, ("cg", "cholesky"), strict=True)):
-        f.about = i
+    for value, solver in zip(f.each(answers), ("cg", "cholesky"), strict=True):
         on = f'a mesh with holes, solver="{solver}"'
         mine = expect.array(value, truth.shape, "The array of positions", on=on)
         size = float(np.ptp(shape.vertices, axis=0).max())
@@ -556,7 +555,7 @@ def _declare_flow(exercise: Exercise, claim: str, keep: bool) -> None:
         solids = [turned(shapes.shuffled(s, rng), rng) for s in (shapes.tetrahedron(R), shapes.octahedron(R))]
         lam, steps = float(rng.uniform(0.05, 0.1) * R**2), int(rng.integers(3, 6))
         answers = [f(s.vertices, faces_of(s), lam, steps) for s in solids]
-        for value, s in zip(answers, solids, strict=True):
+        for value, s in zip(f.each(answers), solids, strict=True):
             on = f"a regular {s.name} on a sphere of radius {R:.3g}, {steps} steps of {lam / R**2:.3g} R²"
             factor = _radius_after(R, lam, steps, keep=keep) / R
             expecting.positions(value, factor * s.vertices, s, on=on)
@@ -682,8 +681,7 @@ def _(f: Asked, rng: Rng) -> None:
     shape = replace(ball, vertices=bumpy)
     answers = [f(bumpy, faces, lam, steps, keep_volume=True) for steps in (1, 4)]
     start = _volume(bumpy, faces)
-    for i, (value, steps) in enumerate(zip(answers, (1, 4), strict=True)):
-        f.about = i
+    for value, steps in zip(f.each(answers), (1, 4), strict=True):
         on = f"a bumpy sphere, steps={steps}, keep_volume=True"
         mine = expect.array(value, bumpy.shape, "The array of positions", on=on)
         truth = _flow(bumpy, faces, lam, steps, keep=False, volume=True)

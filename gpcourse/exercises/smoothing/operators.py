@@ -44,7 +44,7 @@ UNIFORM_LAPLACIAN = Exercise(
 def _expect_uniform(f: Asked, inputs: list[tuple[IntArray, FloatArray, str]]) -> None:
     """The function is asked for the faces only; the positions are for the picture."""
     answers = [f(faces, len(vertices)) for faces, vertices, _ in inputs]
-    for value, (faces, vertices, on) in zip(answers, inputs, strict=True):
+    for value, (faces, vertices, on) in zip(f.each(answers), inputs, strict=True):
         expecting.matrix(value, truths.mean_of_neighbours(faces, len(vertices)), vertices, faces, on=on)
 
 
@@ -212,7 +212,7 @@ def _(f: Asked, rng: Rng) -> None:
         vertices = size * vertices
         kind = "an obtuse" if obtuse else "an acute"
         asked.append((f(vertices, faces), vertices, faces, f"{kind} triangle of size {size:g}"))
-    for value, vertices, faces, on in asked:
+    for f.about, (value, vertices, faces, on) in enumerate(asked):
         C = expect.array(value, (3, 3), "The matrix", on=on)
         e = truths.opposite_edges(vertices, faces)[0]
         u = rng.normal(size=3)
@@ -263,7 +263,7 @@ def _(f: Asked, rng: Rng) -> None:
         (apart(rng), "two components"),
     ]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _ in for_all]
-    for value, (shape, on) in zip(answers, for_all, strict=True):
+    for value, (shape, on) in zip(f.each(answers), for_all, strict=True):
         n, faces = len(shape.vertices), faces_of(shape)
         C = expect.array(value, (n, n), "The matrix", on=on)
         # The rows sum to zero, so that only the rounding depends on the origin.
@@ -282,7 +282,7 @@ def _(f: Asked, rng: Rng) -> None:
     placed = [start, turned(start, rng).moved(rng.uniform(-20, 20, 3)), start.scaled(100), start.scaled(0.01)]
     names = ["of size 1 at the origin", "turned and moved", "100 times as large", "100 times as small"]
     answers = [f(s.vertices, faces_of(s)) for s in placed]
-    for value, on in zip(answers, names, strict=True):
+    for value, on in zip(f.each(answers), names, strict=True):
         place = start.vertices, faces_of(start)
         expecting.matrix(value, truths.stiffness(*place), *place, on=f"a mesh {on}")
 
@@ -498,7 +498,7 @@ def _(f: Asked, rng: Rng) -> None:
 def _(f: Asked, rng: Rng) -> None:
     for_all = [(bounded(rng), "a mesh with holes and obtuse angles"), (closed(rng), "a closed mesh")]
     answers = [f(shape.vertices, faces_of(shape)) for shape, _ in for_all]
-    for value, (shape, on) in zip(answers, for_all, strict=True):
+    for value, (shape, on) in zip(f.each(answers), for_all, strict=True):
         place = shape.vertices, faces_of(shape)
         expecting.matrix(value, truths.laplacian(*place), *place, on=on)
 
@@ -508,8 +508,7 @@ def _(f: Asked, rng: Rng) -> None:
     shape = bounded(rng)
     names = [str(name) for name in rng.permutation(list(truths.CELLS))]
     answers = [f(shape.vertices, faces_of(shape), cells=name) for name in names]
-    for i, (value, name) in enumerate(zip(answers, names, strict=True)):
-        f.about = i
+    for value, name in zip(f.each(answers), names, strict=True):
         place = shape.vertices, faces_of(shape)
         truth = truths.laplacian(*place, name)
         expecting.matrix(value, truth, *place, on=f"a mesh with holes and obtuse angles, cells={name!r}")

@@ -268,7 +268,9 @@ def _(f: Asked, rng: Rng) -> None:
     _shape, M, _frequencies, phi = _surface(rng)
     one, three = rng.normal(size=8), rng.normal(size=(8, 3))
     answers = [f(phi[:, :8] @ one, phi[:, :8], M), f(phi[:, :8] @ three, phi[:, :8], M)]
-    for value, truth, on in zip(answers, (one, three), ("one function", "three functions"), strict=True):
+    for value, truth, on in zip(
+        f.each(answers), (one, three), ("one function", "three functions"), strict=True
+    ):
         mine = expect.array(value, truth.shape, "The array of coefficients", on=on)
         expect.close(mine, truth, 50 * SINGLE, "The coefficients", on=on)
 
@@ -460,7 +462,7 @@ def _(f: Asked, rng: Rng) -> None:
     ones = np.ones_like(function)
     answers = [f(function, frequencies, phi, M, ones), f(function, frequencies, phi, M, 0 * ones)]
     for value, truth, on in zip(
-        answers, (function, 0 * function), ("factors of 1", "factors of 0"), strict=True
+        f.each(answers), (function, 0 * function), ("factors of 1", "factors of 0"), strict=True
     ):
         expecting.values(value, truth, shape, "The result", on=on, scale=20.0)
 
@@ -473,7 +475,7 @@ def _(f: Asked, rng: Rng) -> None:
     one, three = rng.normal(size=n), rng.normal(size=(n, 3))
     answers = [f(one, frequencies, phi, M, factors), f(three, frequencies, phi, M, factors)]
     names = ("a random function", "three random functions")
-    for value, function, on in zip(answers, (one, three), names, strict=True):
+    for value, function, on in zip(f.each(answers), (one, three), names, strict=True):
         mine = expect.array(value, function.shape, "The result", on=on)
         have, had = phi.T @ (M @ mine), phi.T @ (M @ function)
         size = 10 * SINGLE * max(_norm(M), float(np.abs(have).max()))

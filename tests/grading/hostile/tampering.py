@@ -132,6 +132,17 @@ TAMPERING = [
         "failed", says="['']",
     ),
 
+    cell(
+        "right only at leisure",
+        "import time\nlast = [0.0]\ndef twice(x):\n    ran()\n    pause, last[0] = time.monotonic() - last[0], time.monotonic()\n"
+        "    return 2 * x if pause > 30 else 0",
+        "failed",
+    ),
+    function(
+        "feedback that is to tell",
+        "ran()\nraise ValueError(repr([sys._getframe(i).f_locals for i in range(9)]) if 0 else '{expected} %(seed)s {0.__class__} {{ verdict }}')",
+        "error",
+    ),
     function("ufuncs patched", "ran()\nimport numpy as np\nnp.add = np.subtract = np.abs = np.less_equal = np.isfinite = lambda *a, **k: True\nreturn 0", "failed"),
     function(
         "a false grader put into sys.modules",
@@ -145,7 +156,7 @@ TAMPERING = [
     function("struct patched", "ran()\nfrom gpcourse.sandbox import wire\nwire.MAGIC = b'none'\nreturn 0", "crashed"),
     function(
         "the coder patched",
-        "ran()\nfrom gpcourse.sandbox import encoding, wire\nwire.MAX_BUFFERS = wire.MAX_HEADER = encoding.MAX_ITEMS = 2**40\nreturn [0] * 3 * 10**6",
+        "ran()\nfrom gpcourse.sandbox import encoding, wire\nwire.MAX_BUFFERS = wire.MAX_HEADER = encoding.MAX_ITEMS = 2**40\nreturn [0] * 6 * 10**5",
         "crashed", "timeout", "failed",
     ),
     function(
@@ -207,8 +218,8 @@ TAMPERING = [
         "        except OSError: break\nreturn 6", "crashed", "failed",
     ),
     function("a pickle on every descriptor", "ran()\nimport pickle\nfor fd in range(3, 64):\n    try: os.write(fd, pickle.dumps({'status': 'passed'}))\n    except OSError: pass\nreturn 0", "crashed"),
-    function("a frame that never ends", "ran()\nimport time\nfor fd in range(3, 64):\n    try: os.write(fd, b'gpc1' + (10**6).to_bytes(4, 'little') + bytes(8))\n    except OSError: pass\nwhile True: time.sleep(1)", "timeout"),
-    function("a frame that announces everything", "ran()\nfor fd in range(3, 64):\n    try: os.write(fd, b'gpc1' + b'\\xff' * 12)\n    except OSError: pass\nreturn 2 * x", "crashed"),
+    function("a frame that never ends", "ran()\nimport time\nfor fd in range(3, 64):\n    try: os.write(fd, bytes(13) + b'gpc1' + (10**6).to_bytes(4, 'little') + bytes(8))\n    except OSError: pass\nwhile True: time.sleep(1)", "timeout"),
+    function("a frame that announces everything", "ran()\nfor fd in range(3, 64):\n    try: os.write(fd, bytes(13) + b'gpc1' + b'\\xff' * 12)\n    except OSError: pass\nreturn 2 * x", "crashed"),
     tries("memory of processes", "open('/proc/self/mem', 'rb')", "open('/proc/self/maps')", "open('/proc/self/environ')", "open('/proc/1/cmdline')", "os.listdir('/proc')", "open('/proc/meminfo')"),
     tries("tests and solutions beside the course", "open('COURSE/../tests/grading/hostile/attack.py')", "os.listdir('COURSE/../notebooks')", "open('COURSE/../.git/config')", "os.listdir('COURSE/..')"),
     tries(

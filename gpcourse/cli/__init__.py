@@ -17,6 +17,7 @@ from gpcourse.cli.doctor import doctor
 from gpcourse.cli.grade import grade
 from gpcourse.cli.gradescope import gradescope
 from gpcourse.cli.lab import lab
+from gpcourse.cli.similarity import similarity
 from gpcourse.errors import GpcourseError
 
 __all__ = ["main"]
@@ -45,5 +46,5 @@ def main() -> None:
     """A course companion for geometry processing."""
 
 
-for _command in (lab, check, solve, exercises, grade, gradescope, data, doctor):
+for _command in (lab, check, solve, exercises, grade, gradescope, similarity, data, doctor):
     main.add_command(_command)

@@ -61,6 +61,12 @@ def notebooks(here: Path) -> Path:
     return copy
 
 
+def course_notebooks() -> list[Path]:
+    """Return the notebooks of the course as they are given out."""
+    folder = _CHECKOUT if (_CHECKOUT / _FIRST).is_file() else _INSTALLED
+    return sorted(folder.glob("*.ipynb"))
+
+
 def command(folder: Path, options: tuple[str, ...]) -> list[str]:
     """Return the command that starts JupyterLab on `folder`."""
     words = [sys.executable, "-m", "jupyterlab", f"--ServerApp.root_dir={folder}"]

@@ -145,6 +145,14 @@ def class_page(
     )
 
 
+def similarity_page(
+    pairs: Sequence[Any], sides: Sequence[list[list[tuple[str, bool]]]], count: int, threshold: float
+) -> str:
+    """Write the page on shared code: `sides` are the lines of both texts, and which of them are shared."""
+    rows = [{"pair": pair, "sides": texts} for pair, texts in zip(pairs, sides, strict=True)]
+    return _render("similarity.html", pairs=rows, count=count, threshold=threshold)
+
+
 def _needs_a_person(report: Report) -> bool:
     """Tell whether something of ours broke, nothing could be read, or a function may have the wrong name."""
     near = any(judged.missing and judged.notes for judged in report.judged)

@@ -35,7 +35,7 @@ NO_PLACE = {
 
 #: Checks that compare the answers to several questions; none of them is wrong by itself.
 ABOUT_SEVERAL = {
-    "every index is equally likely",
+    "every index is equally likely, whichever others are chosen",
     "the same seed gives the same sample, another seed another",
 }
 

@@ -61,7 +61,7 @@ def _(f: Asked, rng: Rng) -> None:
     seeds = rng.integers(2**31, size=100)
     answers = [f(10, 4, int(seed)) for seed in seeds]
     on = "4 of 10 points, with 100 seeds"
-    samples = [sample(a, 10, 4, on=on) for a in answers]
+    samples = [sample(a, 10, 4, on=on) for a in f.each(answers)]
     counts = np.bincount(np.concatenate(samples), minlength=10)
     # Binomial, 100 trials of probability 0.4: 40 ± 4.9. Six deviations are passed by one in 10⁸.
     wrong = np.flatnonzero(np.abs(counts - 40) > 29)

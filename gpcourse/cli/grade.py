@@ -51,18 +51,22 @@ def grade(
     from gpcourse.grading import grade as grade_folder
 
     columns = (TextColumn("grading"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), disable=quiet or as_json) as bar:
-        task = bar.add_task("grading", total=None)
-        book = grade_folder(
-            submissions,
-            out,
-            seed=seed,
-            chapters=chapters or None,
-            jobs=jobs,
-            allow_unconfined=allow_unconfined,
-            junit=junit,
-            progress=lambda done, total, _: bar.update(task, completed=done, total=total),
-        )
+    try:
+        with Progress(*columns, console=Console(stderr=True), disable=quiet or as_json) as bar:
+            task = bar.add_task("grading", total=None)
+            book = grade_folder(
+                submissions,
+                out,
+                seed=seed,
+                chapters=chapters or None,
+                jobs=jobs,
+                allow_unconfined=allow_unconfined,
+                junit=junit,
+                progress=lambda done, total, _: bar.update(task, completed=done, total=total),
+            )
+    except KeyboardInterrupt:
+        click.echo("Interrupted. The same command goes on where this one stopped.", err=True)
+        raise SystemExit(130) from None
     faults = sum(report.status == "grader fault" for report in book.reports)
     if as_json:
         click.echo(json.dumps(_summary(book), ensure_ascii=False, indent=1))

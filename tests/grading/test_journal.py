@@ -73,6 +73,7 @@ def test_a_run_that_was_killed_twice_is_gone_on_with(folder, tmp_path):
         _, said = process.communicate(timeout=60)
         assert process.returncode != 0
         assert "Traceback" not in said
+        assert ("The same command goes on" in said) is (kind == signal.SIGINT)
     kept = lines(out)
     assert 3 <= len(kept) < len(STUDENTS)
     book = grade(folder, out, junit=True)

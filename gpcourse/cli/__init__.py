@@ -15,6 +15,7 @@ from gpcourse.cli.course import check, exercises, solve
 from gpcourse.cli.data import data
 from gpcourse.cli.doctor import doctor
 from gpcourse.cli.grade import grade
+from gpcourse.cli.gradescope import gradescope
 from gpcourse.cli.lab import lab
 from gpcourse.errors import GpcourseError
 
@@ -44,5 +45,5 @@ def main() -> None:
     """A course companion for geometry processing."""
 
 
-for _command in (lab, check, solve, exercises, grade, data, doctor):
+for _command in (lab, check, solve, exercises, grade, gradescope, data, doctor):
     main.add_command(_command)

@@ -11,6 +11,7 @@ import click
 
 if TYPE_CHECKING:
     from gpcourse.grading import GradeBook
+    from gpcourse.grading.roster import Roster, Target
 
 
 @click.command()
@@ -21,6 +22,18 @@ if TYPE_CHECKING:
 @click.option("--jobs", type=click.IntRange(min=1), help="Submissions at a time; by default one a core.")
 @click.option("--allow-unconfined", is_flag=True, help="Grade work you trust where it cannot be confined.")
 @click.option("--junit", is_flag=True, help="Also write junit.xml, for CI.")
+@click.option(
+    "--export",
+    "target",
+    type=click.Choice(["canvas", "moodle", "nbgrader"]),
+    help="Also write the grades in its format.",
+)
+@click.option(
+    "--roster",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help="The list of the class, as it gives it out.",
+)
+@click.option("--assignment", help="What the assignment is called there; by default the chapters' titles.")
 @click.option("--quiet", is_flag=True, help="No progress bar, no summary.")
 @click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
 def grade(
@@ -32,6 +45,9 @@ def grade(
     jobs: int | None,
     allow_unconfined: bool,
     junit: bool,
+    target: Target | None,
+    roster: Path | None,
+    assignment: str | None,
     quiet: bool,
     as_json: bool,
 ) -> None:
@@ -40,16 +56,21 @@ def grade(
     Or what Moodle or Canvas give out for grading, the zip file as it is or unpacked; or the folder of a
     course of nbgrader.
 
+    With --export, canvas.csv, moodle.csv or nbgrader.csv is written too, to be imported there; --roster is
+    Canvas's exported gradebook, Moodle's grading worksheet, or the students of nbgrader. Who is in one of
+    the two only is named, and a name that fits two students is given to neither.
+
     The same seed gives the same grades, another seed other inputs. Interrupted, the same command goes on
-    where it stopped. Exits with 0 when all were graded,
-    whatever the grades, with 1 when a person has to look at one, and with 2 when nothing can be graded, as
-    where student code cannot be confined and --allow-unconfined is not given.
+    where it stopped. Exits with 0 when all were graded, whatever the grades, with 1 when a person has to look
+    at one, and with 2 when nothing can be graded, as where student code cannot be confined and
+    --allow-unconfined is not given.
     """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     from gpcourse.grading import grade as grade_folder
 
+    listed = _roster(target, roster)
     columns = (TextColumn("grading"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     try:
         with Progress(*columns, console=Console(stderr=True), disable=quiet or as_json) as bar:
@@ -67,12 +88,46 @@ def grade(
     except KeyboardInterrupt:
         click.echo("Interrupted. The same command goes on where this one stopped.", err=True)
         raise SystemExit(130) from None
+    remarks = _export(target, book, listed, assignment) if target else ()
     faults = sum(report.status == "grader fault" for report in book.reports)
     if as_json:
-        click.echo(json.dumps(_summary(book), ensure_ascii=False, indent=1))
+        summary = _summary(book)
+        if target:
+            summary["export"] = {"file": str(book.out / f"{target}.csv"), "remarks": list(remarks)}
+        click.echo(json.dumps(summary, ensure_ascii=False, indent=1))
     elif not quiet:
         _show(book)
+        if target:
+            click.echo(f"The grades for {target} are {book.out / f'{target}.csv'}")
+    if not as_json:
+        for remark in remarks:
+            click.echo(remark, err=True)
     raise SystemExit(faults > 0)
+
+
+def _roster(target: Target | None, path: Path | None) -> Roster | None:
+    """Read the roster before anything is graded, so that a wrong file costs no time."""
+    from gpcourse.errors import UsageError
+    from gpcourse.grading.roster import read_roster
+
+    if path is None:
+        return None
+    if target is None:
+        raise UsageError(f"{path} is a roster of what? Give --export canvas, moodle or nbgrader too")
+    return read_roster(path, target)
+
+
+def _export(
+    target: Target, book: GradeBook, roster: Roster | None, assignment: str | None
+) -> tuple[str, ...]:
+    from gpcourse.grading import exports, gradebook, reports
+
+    name = assignment or reports.title_of(book.chapters)
+    out_of = sum(exercise.points for exercise in book.exercises)
+    graded = exports.Graded(book.reports, book.owners, book.timestamps, name, out_of)
+    made = exports.export(target, graded, roster)
+    gradebook.write(book.out / f"{target}.csv", made.text)
+    return tuple(gradebook.safe(remark) for remark in made.remarks)
 
 
 def _summary(book: GradeBook) -> dict[str, object]:

@@ -20,6 +20,9 @@ from gpcourse.grading.judge import Judged, Report
 
 #: Bytes of a file name that come from a student's. File systems allow 255, the ending included.
 _LONGEST = 180
+#: Where a spreadsheet may begin a formula, in letters of either width: in some countries it parts cells at
+#: semicolons.
+_FORMULA = re.compile(r"((?:^|[;|])\s*)([=+\-@＝＋－＠])")
 #: How the name ends of a file that is being written.
 UNFINISHED = ".part"
 #: What Windows takes for a device.
@@ -40,7 +43,7 @@ def grades_csv(reports: Sequence[Report], exercises: Sequence[Exercise]) -> str:
         points = [judged.verdict.points for judged in report.judged]
         row = [report.student, *points, report.points, report.out_of]
         row += [report.status, report.confinement, note(report)]
-        writer.writerow([_safe(cell) if isinstance(cell, str) else cell for cell in row])
+        writer.writerow([safe(cell) if isinstance(cell, str) else cell for cell in row])
     return buffer.getvalue()
 
 
@@ -51,13 +54,14 @@ def times_csv(reports: Sequence[Report], exercises: Sequence[Exercise]) -> str:
     writer.writerow(["student", *(e.name for e in exercises), "total"])
     for report in reports:
         seconds = [judged.seconds for judged in report.judged]
-        writer.writerow([_safe(report.student), *(f"{s:.3f}" for s in [*seconds, sum(seconds)])])
+        writer.writerow([safe(report.student), *(f"{s:.3f}" for s in [*seconds, sum(seconds)])])
     return buffer.getvalue()
 
 
-def _safe(text: str) -> str:
+def safe(text: str) -> str:
+    """Return a cell on one line that no spreadsheet takes for a formula."""
     line = "".join(c if c.isprintable() else " " for c in text)
-    return f"'{line}" if line.lstrip().startswith(("=", "+", "-", "@")) else line
+    return _FORMULA.sub(r"\1'\2", line)
 
 
 def note(report: Report) -> str:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 import tempfile
 import threading
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import ExitStack, closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from gpcourse.errors import UsageError, WorkerError
@@ -19,7 +19,7 @@ from gpcourse.grading.journal import Journal, conditions, files_of, locked, with
 from gpcourse.grading.judge import OpenWorker, Report, judge_submission
 from gpcourse.grading.junit import junit as junit_xml
 from gpcourse.grading.recall import CAPACITY, Recall
-from gpcourse.grading.submission import Notebook, Submission, read_class
+from gpcourse.grading.submission import Notebook, Owner, Submission, read_class
 from gpcourse.sandbox import confine, home
 from gpcourse.sandbox.line import Line
 from gpcourse.sandbox.lockdown import Level
@@ -46,6 +46,8 @@ class GradeBook:
         How many submissions an earlier run had graded, which this one went on with.
     out, table, page : Path
         The folder that was written, its grades.csv and its index.html.
+    owners, timestamps : mapping
+        By student: whose the submission is by the names of the files; when nbgrader collected it.
     """
 
     reports: tuple[Report, ...]
@@ -55,6 +57,8 @@ class GradeBook:
     out: Path
     confinement: Level
     resumed: int = 0
+    owners: Mapping[str, Owner] = field(default_factory=dict)
+    timestamps: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def table(self) -> Path:
@@ -125,7 +129,7 @@ def grade(
     submissions = read_class(folder)
     _check_out(folder, out)
     chosen = (
-        _named(chapters)
+        chapters_called(chapters)
         if chapters
         else chapters_in([n for s in submissions for n in s.notebooks]) or CHAPTERS
     )
@@ -252,7 +256,15 @@ class _Run:
     def _write_book(self, resumed: int, *, junit: bool) -> GradeBook:
         everyone = tuple(self.done[s.student] for s in self.submissions)
         book = GradeBook(
-            everyone, self.chapters, self.exercises, self.seed, self.out, self.limits.least, resumed
+            everyone,
+            self.chapters,
+            self.exercises,
+            self.seed,
+            self.out,
+            self.limits.least,
+            resumed,
+            {s.student: s.owner for s in self.submissions},
+            {s.student: s.timestamp for s in self.submissions},
         )
         gradebook.write(book.table, gradebook.grades_csv(everyone, self.exercises))
         gradebook.write(self.out / "times.csv", gradebook.times_csv(everyone, self.exercises))
@@ -284,7 +296,8 @@ def _check_out(folder: Path, out: Path) -> None:
         raise UsageError(f"{out} cannot be written to; choose another folder")
 
 
-def _named(chapters: Sequence[str]) -> tuple[Chapter, ...]:
+def chapters_called(chapters: Sequence[str]) -> tuple[Chapter, ...]:
+    """Return the chapters with these numbers or stems, in the order of the course."""
     table = {str(chapter.number): chapter for chapter in CHAPTERS} | {c.stem: c for c in CHAPTERS}
     for name in chapters:
         if name not in table:

@@ -173,7 +173,8 @@ class Line:
             raise self._gone("crashed", f"its answer could not be read: {error}") from None
 
     def _gone(self, status: Status, message: str = "") -> Gone:
-        late = time.monotonic() + (0.0 if status == "timeout" else 1.0)
+        # What has closed its pipes is about to end, and then says why.
+        late = time.monotonic() + (0.0 if message or status == "timeout" else 1.0)
         while (code := self.process.code()) is None and time.monotonic() < late:
             time.sleep(0.005)
         place = self._crash_place()

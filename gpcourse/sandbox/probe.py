@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-import ctypes
-import errno
-import os
 import platform
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from gpcourse.sandbox.home import PACKAGE
-
-_SYS_LANDLOCK_CREATE_RULESET = 444  # the same on every architecture
-_PR_SET_SECCOMP, _SECCOMP_MODE_FILTER = 22, 2
 
 _MEMORY_LIMIT = """
 import resource
@@ -32,6 +26,31 @@ sys.path.insert(0, {package!r})
 from pathlib import Path
 from gpcourse.sandbox.namespaces import enter
 print(*(enter(Path({scratch!r}), Path({scratch!r})).missing or ["works"]))
+"""
+_FORBIDDEN_FILE = """
+from gpcourse.sandbox.landlock import confine
+def forbidden():
+    open(sys.executable, "rb")
+"""
+_FORBIDDEN_CALL = """
+import socket
+from gpcourse.sandbox.seccomp import confine
+def forbidden():
+    socket.socket()
+"""
+_TRY = """
+import sys
+sys.path.insert(0, {package!r})
+{means}
+forbidden()
+try:
+    confine({arguments})
+    forbidden()
+    print("it is there and forbids nothing")
+except PermissionError:
+    print("works")
+except OSError as error:
+    print(f"the kernel says: {{error.strerror}}")
 """
 _SECONDS = 20.0
 
@@ -59,12 +78,18 @@ def _layers() -> Iterator[Layer]:
             yield Layer(name, False, f"{platform.system()} has none")
         return
     yield _layer("namespaces", _namespaces(), "files, network and other processes are not there at all")
-    yield _landlock()
-    yield _seccomp()
+    yield _layer("Landlock", _tried(_FORBIDDEN_FILE), "nothing is read and written but what is granted")
+    yield _layer("seccomp", _tried(_FORBIDDEN_CALL), "system calls are refused")
 
 
 def _layer(name: str, seen: str, words: str) -> Layer:
     return Layer(name, seen == "works", words if seen == "works" else seen)
+
+
+def _tried(means: str) -> str:
+    """Confine a process and let it do what is forbidden then, having done it before."""
+    arguments = "[], []" if means is _FORBIDDEN_FILE else ""
+    return _in_child(_TRY.format(package=str(PACKAGE.parent), means=means, arguments=arguments))
 
 
 def _in_child(code: str) -> str:
@@ -87,26 +112,3 @@ def _namespaces() -> str:
         scratch.mkdir()
         code = _NAMESPACE.format(package=str(PACKAGE.parent), scratch=str(scratch))
         return _in_child(code).removeprefix("namespaces: ")
-
-
-def _libc() -> Callable[..., int]:
-    call: Callable[..., int] = ctypes.CDLL(None, use_errno=True).syscall
-    return call
-
-
-def _landlock() -> Layer:
-    version = _libc()(_SYS_LANDLOCK_CREATE_RULESET, None, ctypes.c_size_t(0), ctypes.c_uint32(1))
-    if version > 0:
-        return Layer(
-            "Landlock", True, f"version {version} of its interface: what may be read and written is limited"
-        )
-    return Layer("Landlock", False, f"the kernel says: {os.strerror(ctypes.get_errno())}")
-
-
-def _seccomp() -> Layer:
-    """Offer a filter at address 0: a kernel that has filters complains about the address."""
-    ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_SECCOMP, _SECCOMP_MODE_FILTER, None, 0, 0)
-    seen = ctypes.get_errno()
-    if seen in (errno.EFAULT, errno.EACCES):
-        return Layer("seccomp", True, "system calls can be refused")
-    return Layer("seccomp", False, f"the kernel says: {os.strerror(seen)}")

@@ -25,7 +25,7 @@ from gpcourse.reference.registration import (
     trim_pairs,
     uniform_sampling,
 )
-from gpcourse.reference.registration.nearest import morton_order
+from gpcourse.reference.registration.nearest import follower, matcher, morton_order
 from gpcourse.reference.registration.normals import smallest_eigenvector
 
 SEEDS = range(5)
@@ -191,6 +191,40 @@ def test_coinciding_points_do_not_hang_the_tree():
     assert distances == pytest.approx(np.sqrt(3))
 
 
+@pytest.mark.parametrize("kind", ["box", "spot", "one point"])
+def test_following_moving_queries_finds_what_a_search_for_all_of_them_finds(kind):
+    rng = np.random.default_rng(3)
+    points, queries = rng.random((300, 3)), rng.random((80, 3))
+    points = {"box": points, "spot": points.round(1), "one point": points[:1]}[kind]
+    follow, search = follower(points, len(queries)), matcher(points)
+    for step in (0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 0.0, 0.2):
+        queries = queries + step * rng.normal(size=queries.shape)
+        distances, indices = follow(queries)
+        assert distances == pytest.approx(search(queries)[0], abs=1e-15)
+        assert np.linalg.norm(points[indices] - queries, axis=1) == pytest.approx(distances, abs=1e-15)
+
+
+def test_queries_that_hardly_move_are_not_searched_for_again(monkeypatch):
+    from scipy.spatial import cKDTree
+
+    searched = []
+
+    class Counted(cKDTree):
+        def query(self, x, **options):
+            searched.append(len(x))
+            return super().query(x, **options)
+
+    monkeypatch.setattr("scipy.spatial.cKDTree", Counted)
+    rng = np.random.default_rng(0)
+    points, queries = rng.random((1000, 3)), rng.random((200, 3))
+    match = follower(points, 200)
+    for shift in (0.0, 1e-4, 1.0):
+        match(queries + shift)
+    # The gap between two nearest of 1000 points is about 0.02 on average.
+    assert searched[0] == searched[-1] == 200
+    assert sum(searched[1:-1]) < 20
+
+
 def test_pairs_are_rejected_by_distance_and_by_angle():
     turn = np.radians([0, 30, 50, 180, 0])
     normals_q = np.column_stack([np.sin(turn), 0 * turn, np.cos(turn)])
@@ -223,26 +257,6 @@ def pair_of_scans(**scanner):
     return first, second, first.R.T @ second.R, first.R.T @ (second.t - first.t)
 
 
-def errors_along_the_way(source, target, R, t, normals, steps):
-    """The pose error after each single step, started anew from where the last one ended."""
-    errors, moved = [], source
-    size = np.linalg.norm(np.ptp(source, axis=0))
-    for _ in range(steps):
-        step, shift, _ = icp(moved, target, normals, 1)
-        moved = moved @ step.T + shift
-        errors.append(np.abs(moved - source @ R.T - t).max() / size)
-    return np.array(errors)
-
-
-def exact_pair(degrees=3.0):
-    """A cloud and its moved copy: the true pose is a fixed point of every metric."""
-    rng = np.random.default_rng(3)
-    shape = scans.pebble(4)
-    R, t = random_pose(rng, degrees, 0.02)
-    normals = estimate_normals(shape.vertices, 12)
-    return (shape.vertices - t) @ R, shape.vertices, R, t, normals
-
-
 def test_point_to_point_takes_one_third_of_a_translation_off_a_cube_in_each_step():
     """Near the solution: on each pair of opposite sides only the distance across them is seen and undone."""
     grid = np.stack(np.meshgrid(*2 * [np.linspace(-1, 1, 101)]), axis=-1).reshape(-1, 2)
@@ -262,12 +276,30 @@ def test_point_to_point_takes_one_third_of_a_translation_off_a_cube_in_each_step
     assert np.divide(errors[1:], errors[:-1]) == pytest.approx(2 / 3, abs=0.03)
 
 
-def test_point_to_plane_converges_nearly_quadratically():
-    source, target, R, t, normals = exact_pair()
-    errors = errors_along_the_way(source[::10], target, R, t, normals, 6)
-    # A hundred times better in two steps; point-to-point needs thirty steps for that.
-    start = np.abs(source - source @ R.T - t).max() / np.linalg.norm(np.ptp(source, axis=0))
-    assert errors[2] < 0.02 * start, (start, errors)
+def points_of_an_ellipsoid(rng, n):
+    axes = np.array([1.5, 1.0, 0.7])
+    x = rng.normal(size=(n, 3))
+    x /= np.linalg.norm(x, axis=1, keepdims=True)
+    normals = x / axes
+    return x * axes, normals / np.linalg.norm(normals, axis=1, keepdims=True)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_point_to_plane_converges_nearly_quadratically(seed):
+    """Half the error leads to a quarter after one step, although no source point is among the target's."""
+    rng = np.random.default_rng(seed)
+    target, normals = points_of_an_ellipsoid(rng, 40000)
+    points, _ = points_of_an_ellipsoid(rng, 300)
+    axis, shift = rng.normal(size=(2, 3))
+    before, after = [], []
+    for part in (1.0, 0.5, 0.25):
+        R = rotation_of(np.radians(8 * part) * axis / np.linalg.norm(axis))
+        source = (points - part * 0.07 * shift / np.linalg.norm(shift)) @ R
+        step, by, _ = icp(source, target, normals, 1)
+        before.append(np.sqrt(((source - points) ** 2).sum(axis=1).mean()))
+        after.append(np.sqrt(((source @ step.T + by - points) ** 2).sum(axis=1).mean()))
+    orders = np.log(np.divide(after[:-1], after[1:])) / np.log(np.divide(before[:-1], before[1:]))
+    assert orders == pytest.approx(2, abs=0.3), (before, after)  # measured 1.79 to 2.20 with 12 seeds
 
 
 @pytest.mark.parametrize("degrees", [5, 10, 20])

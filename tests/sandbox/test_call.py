@@ -29,12 +29,12 @@ def stubborn():
     endless()
 
 
-@pytest.mark.parametrize("function", [endless, stubborn, lambda: time.sleep(5)])
+@pytest.mark.parametrize("function", [endless, stubborn, lambda: time.sleep(60)])
 def test_a_loop_that_does_not_end_is_interrupted(function):
     start = time.monotonic()
     answer = call(function, (), 0.1)
     assert answer.status == "timeout"
-    assert time.monotonic() - start < 2
+    assert time.monotonic() - start < 30  # a busy machine is slow, yet it does not wait for the end
 
 
 def test_a_deadline_works_in_a_thread_and_leaves_nothing_behind():

@@ -25,3 +25,10 @@ def test_the_kernels_reason_is_said(monkeypatch):
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="memory is limited on Linux")
 def test_memory_can_be_limited_on_linux():
     assert next(layer for layer in probe() if layer.name == "resource limits").works
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="these are of Linux")
+def test_a_layer_that_forbids_nothing_does_not_count(monkeypatch):
+    assert probing._tried(probing._FORBIDDEN_CALL) in ("works", "the kernel says: Function not implemented")
+    idle = "def confine(*_): pass\ndef forbidden(): pass\n"
+    assert probing._tried(idle) == "it is there and forbids nothing"

@@ -9,7 +9,7 @@ import numpy as np
 from gpcourse.errors import GeometryError
 from gpcourse.geometry.arrays import BoolArray, FloatArray
 from gpcourse.reference.registration.inputs import as_cloud, as_count, as_distance, as_normals
-from gpcourse.reference.registration.nearest import matcher, morton_order, trim_pairs
+from gpcourse.reference.registration.nearest import follower, matcher, morton_order, trim_pairs
 from gpcourse.reference.registration.rigid import point_to_plane_step, rigid_transform
 
 #: Below this many points a round costs its fixed part only.
@@ -73,7 +73,8 @@ def icp(  # noqa: PLR0917
     as_distance(max_distance)
 
     source = source[morton_order(source)]  # the sums do not care about the order, the time does
-    match = matcher(target)  # the tree is built once: the target does not move
+    # The tree is built once: the target does not move. With normals the source soon hardly does, either.
+    match = matcher(target) if normals is None else follower(target, len(source))
     R, t = np.eye(3), np.zeros(3)
     history: list[float] = []
     for _ in range(max_iterations):

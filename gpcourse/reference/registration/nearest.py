@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -161,6 +162,8 @@ def nearest_neighbours(
     return np.array(distances, dtype=np.float64), *counts
 
 
+_FOR_THREADS = 4000
+
 #: Finds the distance and the index of the nearest point for each row of an array of queries.
 Match = Callable[[FloatArray], tuple[FloatArray, IntArray]]
 
@@ -170,17 +173,50 @@ def matcher(points: FloatArray) -> Match:
 
     It gives the distances and the indices, as `nearest_neighbours` does, from SciPy's k-d tree.
     """
+    find = _finder(points, 1)
+
+    def match(queries: FloatArray) -> tuple[FloatArray, IntArray]:
+        distances, indices = find(queries)
+        return np.asarray(distances, dtype=np.float64), np.asarray(indices, dtype=np.int64)
+
+    return match
+
+
+def follower(points: FloatArray, count: int) -> Match:
+    r"""Return a function that matches the same `count` queries again and again, while they move.
+
+    It gives what `matcher` gives, and searches only where the nearest point may have changed. Let d₁ and d₂
+    be the distances of the nearest and the second nearest point when a query was last searched for. After it
+    has moved by m, the first is at most d₁ + m away, and all others at least d₂ − m: while m < (d₂ − d₁) / 2,
+    the nearest is still the nearest.
+    """
+    find = _finder(points, 2)
+    searched_at, index = np.zeros((count, 3)), np.zeros(count, dtype=np.int64)
+    slack = np.full(count, -1.0)
+
+    def match(queries: FloatArray) -> tuple[FloatArray, IntArray]:
+        again = np.flatnonzero(_lengths(queries - searched_at) >= slack)
+        if len(again):
+            searched_at[again] = queries[again]
+            distances, found = find(queries[again])
+            index[again], slack[again] = found[:, 0], (distances[:, 1] - distances[:, 0]) / 2
+        return _lengths(queries - points[index]), index.copy()
+
+    return match
+
+
+def _finder(points: FloatArray, k: int) -> Callable[[FloatArray], Any]:
     # Imported here: it takes half a second, and most of the chapter does without it.
     from scipy.spatial import cKDTree
 
     # Cutting boxes in the middle is several times faster than at the median, and the queries hardly notice.
     tree = cKDTree(points, balanced_tree=False, compact_nodes=False)
+    # To start threads takes as long as a search for some thousand points.
+    return lambda queries: tree.query(queries, k=k, workers=-1 if len(queries) > _FOR_THREADS else 1)
 
-    def match(queries: FloatArray) -> tuple[FloatArray, IntArray]:
-        distances, indices = tree.query(queries, workers=-1)
-        return np.asarray(distances, dtype=np.float64), np.asarray(indices, dtype=np.int64)
 
-    return match
+def _lengths(vectors: FloatArray) -> FloatArray:
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
 
 
 def morton_order(points: FloatArray) -> IntArray:

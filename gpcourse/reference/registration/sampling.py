@@ -12,7 +12,7 @@ _CELLS_PER_UNIT = 3
 
 
 def random_sampling(n_points: int, k: int, seed: int) -> IntArray:
-    """Choose `k` of `n_points` points at random, each with the same probability.
+    """Choose `k` of `n_points` points at random: any `k` of them are as likely as any others.
 
     Parameters
     ----------

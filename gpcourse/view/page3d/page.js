@@ -229,7 +229,6 @@ const boot = async (kept) => {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST); gl.enable(gl.SCISSOR_TEST); gl.depthFunc(gl.LEQUAL);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
-    gl.enable(gl.POLYGON_OFFSET_FILL); gl.polygonOffset(1, 1);  // lines that lie on a surface win
     const pen = marks.getContext("2d");
     pen.setTransform(ratio, 0, 0, ratio, 0, 0); pen.clearRect(0, 0, W, H);
     const panels = shown(state.frame);
@@ -255,7 +254,7 @@ const boot = async (kept) => {
         });
         else if (l.kind === "points") passes(l.hidden, (alpha) => {
           set(dot, { size: Math.max(1.5 * l.size, 2) * ratio, alpha, lift: l.v ? 0 : lift, bias: (1.2 + 0.1 * rank) * near });
-          gl.bindVertexArray(l.vao); gl.drawArrays(gl.POINTS, 0, l.n);
+          gl.enable(gl.BLEND); gl.bindVertexArray(l.vao); gl.drawArrays(gl.POINTS, 0, l.n); gl.disable(gl.BLEND);
         });
       }
       gl.bindVertexArray(null);
@@ -273,11 +272,11 @@ const boot = async (kept) => {
       gl.vertexAttrib3f(gl.getAttribLocation(stroke.p, "colour"), 0.26, 0.3, 0.37);
       gl.bindVertexArray(l.rods);
       passes(l.behind ? "fade" : "hide", (alpha) => {
-        set(stroke, { width: Math.min(Math.max(0.03 * l.long * look.k, 0.45), 1.3), alpha, lift: 0, bias: 2e-4, tip: 0 });
+        set(stroke, { width: Math.min(Math.max(0.03 * l.long * look.k, 0.45), 1.3), alpha, lift: 0, bias: 1e-3 / Math.max(1, state.zoom), tip: 0 });
         gl.uniform1i(stroke.at("head"), false); gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, l.k / 2);
       });
     } else {
-      set(edge); gl.enable(gl.BLEND);
+      set(edge, { bias: 1e-3 / Math.max(1, state.zoom) }); gl.enable(gl.BLEND);
       gl.uniform4f(edge.at("colour"), 0.11, 0.13, 0.16, 0.3);
       gl.bindVertexArray(l.wire); gl.drawElements(gl.LINES, l.k, gl.UNSIGNED_INT, 0); gl.disable(gl.BLEND);
     }

@@ -36,7 +36,7 @@ const SHADERS = (() => {
       }`,
     ],
     edge: [
-      seen + "in vec3 x; void main() { gl_Position = vec4(seen(x), 1.0); gl_Position.z -= 2e-4; }",
+      seen + "in vec3 x; uniform float bias; void main() { gl_Position = vec4(seen(x), 1.0); gl_Position.z -= bias; }",
       "uniform vec4 colour; out vec4 o; void main() { o = colour; }",
     ],
     stroke: [
@@ -59,9 +59,14 @@ const SHADERS = (() => {
     ],
     dot: [
       seen + `in vec3 x; in vec3 colour; uniform float size, bias; out vec3 c;
-      void main() { gl_Position = vec4(seen(x), 1.0); gl_Position.z -= bias; gl_PointSize = size; c = colour; }`,
-      lifted + `in vec3 c; out vec4 o;
-      void main() { vec2 d = gl_PointCoord * 2.0 - 1.0; float r = dot(d, d); if (r > 1.0) discard; o = lifted(c * (1.0 - 0.25 * r)); }`,
+      void main() { gl_Position = vec4(seen(x), 1.0); gl_Position.z -= bias; gl_PointSize = size + 1.0; c = colour; }`,
+      lifted + `in vec3 c; uniform float size; out vec4 o;
+      void main() {
+        float r = length(gl_PointCoord - 0.5) * (size + 1.0), inside = clamp(0.5 * size + 0.5 - r, 0.0, 1.0);
+        if (inside < 0.05) discard;
+        o = lifted(c * (1.0 - 0.25 * r * r / (0.25 * size * size)));
+        o.a *= inside;  // a soft rim
+      }`,
     ],
   };
 })();

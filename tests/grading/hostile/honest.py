@@ -126,9 +126,9 @@ NUMBERS = [
     ),
     number(
         "slow, but within its limit",
-        "import time\nend = time.process_time() + 0.12\nwhile time.process_time() < end: pass\nreturn 2 * x",
+        "import time\nend = time.process_time() + 0.05\nwhile time.process_time() < end: pass\nreturn 2 * x",
     ),
-    number("sleep", "import time\ntime.sleep(0.2)\nreturn 2 * x"),
+    number("sleep", "import time\ntime.sleep(0.05)\nreturn 2 * x"),
     number(
         "threads",
         "with ThreadPoolExecutor(4) as pool: return sum(pool.map(int, [x, x]))",

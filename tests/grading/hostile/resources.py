@@ -58,7 +58,7 @@ RESOURCES = [
     function("a long text among many short ones", "ran()\nreturn ['x' * 10**6] + ['y'] * 3000", "crashed", "error"),
     function("objects by the hundred thousand", "ran()\nreturn [object() for _ in range(10**5)]", "error"),
     function("a whole number of ten million bits", "ran()\nreturn 1 << 10**7", "error"),
-    function("a message of a hundred million letters", "ran()\nraise ValueError('\\x1b[31m<script>' + 'x' * 10**8)", "error"),
+    function("a message of a hundred million letters", "ran()\nraise ValueError('=cmd()\\x1b[31m<script>alert(1)</script>' + 'x' * 10**8)", "error"),
     function("a class of a million letters", "ran()\nraise type('E' * 10**6, (ValueError,), {})('3')", "error"),
     function("a generator as result", "ran()\nreturn (i for i in [2 * x])", "failed"),
     function(

@@ -132,6 +132,17 @@ TAMPERING = [
         "failed", says="['']",
     ),
 
+    cell(
+        "right only at leisure",
+        "import time\nlast = [0.0]\ndef twice(x):\n    ran()\n    pause, last[0] = time.monotonic() - last[0], time.monotonic()\n"
+        "    return 2 * x if pause > 30 else 0",
+        "failed",
+    ),
+    function(
+        "feedback that is to tell",
+        "ran()\nraise ValueError(repr([sys._getframe(i).f_locals for i in range(9)]) if 0 else '{expected} %(seed)s {0.__class__} {{ verdict }}')",
+        "error",
+    ),
     function("ufuncs patched", "ran()\nimport numpy as np\nnp.add = np.subtract = np.abs = np.less_equal = np.isfinite = lambda *a, **k: True\nreturn 0", "failed"),
     function(
         "a false grader put into sys.modules",
@@ -145,7 +156,7 @@ TAMPERING = [
     function("struct patched", "ran()\nfrom gpcourse.sandbox import wire\nwire.MAGIC = b'none'\nreturn 0", "crashed"),
     function(
         "the coder patched",
-        "ran()\nfrom gpcourse.sandbox import encoding, wire\nwire.MAX_BUFFERS = wire.MAX_HEADER = encoding.MAX_ITEMS = 2**40\nreturn [0] * 3 * 10**6",
+        "ran()\nfrom gpcourse.sandbox import encoding, wire\nwire.MAX_BUFFERS = wire.MAX_HEADER = encoding.MAX_ITEMS = 2**40\nreturn [0] * 6 * 10**5",
         "crashed", "timeout", "failed",
     ),
     function(

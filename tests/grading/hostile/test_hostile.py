@@ -1,17 +1,26 @@
 """Hostile notebooks: no undeserved point, no lost one, a true outcome, and nothing changed outside."""
 
+import csv
 import importlib.util
+import io
 import json
 import platform
 import sys
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
 import gpcourse
-from gpcourse.exercises import expect
+from gpcourse.exercises import expect, feedback
+from gpcourse.exercises.course import CHAPTERS
 from gpcourse.exercises.exercise import Exercise
+from gpcourse.grading import gradebook, reports
 from gpcourse.grading.judge import judge_submission
+from gpcourse.grading.junit import junit
+from gpcourse.grading.recall import Recall
 from gpcourse.grading.submission import read_folder
 from gpcourse.sandbox import confine, home, proxy
 from gpcourse.sandbox.forking import can_fork
@@ -30,13 +39,15 @@ def load(name):
     return module
 
 
-attack, ending, resources, tampering, honest, damaged = map(
-    load, ("attack", "ending", "resources", "tampering", "honest", "damaged")
+attack, ending, resources, tampering, honest, damaged, threats = map(
+    load, ("attack", "ending", "resources", "tampering", "honest", "damaged", "threats")
 )
 ATTACKS = [*ending.ENDING, *resources.RESOURCES, *tampering.TAMPERING]
 
 PLUS_ONE = "def plus_one(x):\n    return x + 1"
-LIMITS = confine.Limits(load=1.0, memory=2 * 2**30, patience=1.0, threads=500)
+LIMITS = confine.Limits(load=5.0, memory=2 * 2**30, threads=500)
+#: For what does not end by itself: the less it gets, the sooner the test is over.
+SHORT = replace(LIMITS, load=0.1, patience=0.2)
 
 #: Lines of the package that, replaced in a copy of it, leave out a part of the confinement.
 NO_NAMESPACES = (
@@ -75,7 +86,7 @@ def scaled(v):
 
 
 def arrays_exercise():
-    made = Exercise(scaled, notes="ch. 0", hints=["Look again."], time_limit=0.5)
+    made = Exercise(scaled, notes="ch. 0", hints=["Look again."], time_limit=2.0)
 
     @made.check("arrays", points=2)
     def _(f, rng):
@@ -87,8 +98,11 @@ def arrays_exercise():
     return made
 
 
-EXERCISES = [exercise(twice, 0.5), exercise(plus_one, 5.0)]
+EXERCISES = [exercise(twice, 2.0), exercise(plus_one, 20.0)]
+ENDLESS = [exercise(twice, 0.1), EXERCISES[1]]
 ARRAYS = [arrays_exercise(), EXERCISES[1]]
+#: As in a class, what was found out about one submission serves the next, be it hostile or honest.
+MEMORIES: dict[int, Recall] = {}
 
 
 @pytest.fixture(scope="module", params=LEVELS[::-1])
@@ -107,7 +121,7 @@ def start(tmp_path_factory, request):
         line.close()
         if line.confinement.level != request.param:
             pytest.skip(f"this machine reaches {line.confinement.level}: {line.confinement.missing}")
-        yield lambda: launch(package, LIMITS)
+        yield partial(launch, package)
         assert not list(package.parent.glob("scratch-*")), "a working folder is left"
 
 
@@ -136,12 +150,12 @@ def notebook(*cells):
     return json.dumps({"cells": [{"cell_type": "code", "source": source} for source in cells]})
 
 
-def judged(text, outside, start, exercises=EXERCISES, seed=0, file="ada.ipynb"):
+def judged(text, outside, start, exercises=EXERCISES, limits=LIMITS, file="ada.ipynb"):
     """Judge a real notebook; return the report and what was written into scratch folders."""
     texts = []
 
     def start_and_watch(package, limits):
-        line = start()
+        line = start(limits)
         close = line.close
 
         def read_and_close():
@@ -156,8 +170,13 @@ def judged(text, outside, start, exercises=EXERCISES, seed=0, file="ada.ipynb"):
     folder.mkdir()
     (folder / file).write_bytes(text if isinstance(text, bytes) else text.encode())
     submission = read_folder(folder)[0]
+    recall = MEMORIES.setdefault(id(exercises), Recall(0))
     report = judge_submission(
-        submission, exercises, seed, lambda n: Worker(list(n.cells), Path(), LIMITS, start_and_watch)
+        submission,
+        exercises,
+        0,
+        lambda n: Worker(list(n.cells), Path(), limits, start_and_watch),
+        recall.judge,
     )
     return report, "".join(texts)
 
@@ -170,10 +189,12 @@ def test_a_hostile_function_gets_what_it_deserves(case, outside, start, level, m
     if "syscall" in case.cell and platform.machine() != "x86_64":
         pytest.skip("the numbers of calls are those of x86_64")
     monkeypatch.setenv("SECRET", "1")
-    monkeypatch.setattr(proxy, "GRACE", 0.5)
+    monkeypatch.setattr(proxy, "GRACE", 0.1)
     before = state(outside)
     code = case.cell.replace("OUTSIDE", str(outside)).replace("COURSE", str(home.PACKAGE))
-    report, said = judged(notebook(attack.TOOLS, code, PLUS_ONE), outside, start)
+    endless = case.deserves[0] == "timeout"
+    how = (ENDLESS, SHORT) if endless else (EXERCISES, LIMITS)
+    report, said = judged(notebook(attack.TOOLS, code, PLUS_ONE), outside, start, *how)
     hostile, honest = (one.verdict for one in report.judged)
     # What namespaces hide cannot even be refused.
     signs = {*case.says.split("|"), *(["FileNotFoundError"] if level == "full" and case.confined else [])}
@@ -185,6 +206,8 @@ def test_a_hostile_function_gets_what_it_deserves(case, outside, start, level, m
     assert report.status == "graded"
     assert all(len(t) <= 2000 and t.isprintable() for t in texts_of(report))
     assert state(outside) == before
+    if "raise" in case.cell:
+        outputs_are_harmless(report)
 
 
 @pytest.mark.parametrize("work", honest.HONEST, ids=lambda work: work.id)
@@ -210,11 +233,45 @@ def test_of_a_damaged_notebook_what_can_be_read_counts(damage, outside, start, l
     assert ("ran" in said) == (damage.outcomes[0] in ("passed", "failed"))
 
 
+def outputs_are_harmless(report):
+    """What a student's exception says does nothing, wherever it is written: it is short, and text."""
+    exercises = [one.verdict.exercise for one in report.judged]
+    table = gradebook.grades_csv([report], exercises)
+    pages = [
+        reports.student_page(report, CHAPTERS[:1], 0),
+        reports.class_page([report], CHAPTERS[:1], exercises, 0, {report.student: "ada"}),
+    ]
+    console = [
+        feedback.as_text(one.verdict, answers=answers) for one in report.judged for answers in (True, False)
+    ]
+    texts = [table, *pages, *console, gradebook.gradescope(report), junit([report])]
+    plain = reports.student_page(replace(report, judged=()), CHAPTERS[:1], 0)
+    assert max(map(len, texts)) < 100_000
+    assert not any(c in text for text in texts for c in "\x1b\0")
+    assert pages[0].count("<script") == plain.count("<script")
+    assert not any(cell.startswith("=") for row in csv.reader(io.StringIO(table)) for cell in row)
+    assert json.loads(gradebook.gradescope(report))["score"] == report.points
+    assert len(ElementTree.fromstring(junit([report]))) == 1
+
+
 def texts_of(report):
     """Return all that the report quotes of an exception."""
     results = [result for one in report.judged for result in one.verdict.results]
     troubles = [result.trouble for result in results if result.trouble is not None]
     return [text for t in troubles for text in (t.message, t.function, t.source, t.place, *t.types)]
+
+
+@pytest.mark.parametrize("threat", threats.THREATS)
+def test_each_threat_has_cases_and_they_are_there(threat):
+    names = {a.what for a in ATTACKS} | {w.what for w in honest.HONEST} | {d.what for d in damaged.DAMAGED}
+    cases = threats.THREATS[threat]
+    assert cases
+    for case in cases:
+        if "::" not in case:
+            assert case in names
+            continue
+        file, name = case.split("::")
+        assert f"\ndef {name}(" in (Path(__file__).parents[2] / file).read_text("utf-8")
 
 
 def test_there_are_attacks_of_every_kind():

@@ -28,8 +28,8 @@ def folder(tmp_path):
     for i, name in enumerate(STUDENTS):
         result = ("np.linalg.norm(np.cross(b - a, c - a)) / 2", "float(abs(a).sum())", "no_such_name")[i % 3]
         source = (
-            "import time\nimport numpy as np\ntime.sleep(0.3)\n"
-            f"def triangle_area(a, b, c):\n    return {result}"
+            "import time\nimport numpy as np\nslept = time.sleep(0.3)\n"  # run, since the function reads it
+            f"def triangle_area(a, b, c):\n    slept\n    return {result}"
         )
         text = json.dumps({"cells": [{"cell_type": "code", "source": source}]})
         (tmp_path / "class" / f"{name}.ipynb").write_text(text, encoding="utf-8")
@@ -73,6 +73,7 @@ def test_a_run_that_was_killed_twice_is_gone_on_with(folder, tmp_path):
         _, said = process.communicate(timeout=60)
         assert process.returncode != 0
         assert "Traceback" not in said
+        assert ("The same command goes on" in said) is (kind == signal.SIGINT)
     kept = lines(out)
     assert 3 <= len(kept) < len(STUDENTS)
     book = grade(folder, out, junit=True)

@@ -266,13 +266,18 @@ class Modes:
 
     def scene(self, yours: FloatArray, truth: FloatArray, worst: tuple[int, ...], answers: bool) -> Scene:
         a, b = self.functions[:, worst[0]], self.functions[:, worst[1]]
-        shown = [(f"your mode {worst[0]}", a), (f"your mode {worst[1]}", b)][: 1 + (worst[0] != worst[1])]
+        shown = [(f"your mode {worst[0]}", "φ", a), (f"your mode {worst[1]}", "φ", b)][
+            : 1 + (worst[0] != worst[1])
+        ]
         product = f"their product times the area; its sum is {yours[worst]:.3g}"
         if worst[0] == worst[1]:
             product = product.replace("their product", "its square")
+        shown.append((f"{product}, should be {truth[worst]:g}", "product × area", self.areas * a * b))
         scenes = [
-            mesh_scene((self.vertices, self.faces), values, title=title, values_on="vertices")
-            for title, values in [*shown, (f"{product}, should be {truth[worst]:g}", self.areas * a * b)]
+            mesh_scene(
+                (self.vertices, self.faces), values, title=title, value_name=name, values_on="vertices"
+            )
+            for title, name, values in shown
         ]
         return side_by_side(scenes, shared_scale=False)
 

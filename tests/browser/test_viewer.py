@@ -170,6 +170,31 @@ def test_it_is_dark_where_the_page_around_is_dark(opened):
     assert pixels(page)[40, 2].min() > 240
 
 
+def test_numbers_beside_a_mesh_are_light_on_dark_paper(opened):
+    rim = np.delete(shapes.disc(1).vertices, 0, axis=0)  # a trace inside the mesh, with the numbers outside
+    layers = scene.Mesh(1.01 * rim, [[0, 1, 2, 3, 4, 5]]), scene.Labels(rim, tuple("123456"), place="beside")
+    numbered = view.Picture(scene.Scene((scene.Panel(layers, camera=scene.Camera((0, 0, 1), (0, 1, 0))),)))
+    page, _ = opened(numbered, style="<style>body { background: #222 }</style>")
+    seen = pixels(page)
+    greys = np.ptp(seen, axis=2) < 8  # the mesh is bluish
+    assert (greys & (seen.min(axis=2) > 130)).sum() > 50
+    assert (greys & (seen.min(axis=2) > 200)).sum() < 5  # dark letters have a white rim
+
+
+def test_the_page_has_the_light_of_the_still_image(opened):
+    """A cube has three colours on its three sides that are seen."""
+    cube = view.mesh(shapes.cube())
+    still = np.asarray(Image.open(BytesIO(cube.png())).convert("RGB"))
+    page, _ = opened(cube)
+    found = []
+    for image in (still, pixels(page)):
+        colours, counts = np.unique(image.reshape(-1, 3), axis=0, return_counts=True)
+        largest = colours[np.argsort(counts)[-4:]]
+        found.append(largest[np.argsort(largest.sum(axis=1))].astype(int))
+    assert np.abs(found[0] - found[1]).max() <= 2
+    assert np.diff(found[0].sum(axis=1)).min() > 20
+
+
 def test_a_saved_page_is_dark_where_the_reader_wants_it(browser, tmp_path):
     view.mesh(shapes.cube()).save(tmp_path / "cube.html")
     page = browser.new_page(viewport={"width": 300, "height": 300}, color_scheme="dark")

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from gpcourse import view
-from gpcourse.errors import ArrayError
+from gpcourse.errors import ArrayError, PictureError
 from gpcourse.geometry import shapes
 from gpcourse.view.packing import MISSING, pack, quantised, value_codes
 
@@ -135,7 +135,7 @@ def test_pages_hold_no_address():
 def test_a_picture_is_saved_as_a_page(tmp_path):
     view.mesh(shapes.cube()).save(tmp_path / "cube.html")
     assert (tmp_path / "cube.html").read_text("utf-8").startswith("<!doctype html>")
-    with pytest.raises(ArrayError, match=r"\.png, \.pdf or \.html"):
+    with pytest.raises(PictureError, match=r"\.png, \.pdf or \.html"):
         view.mesh(shapes.cube()).save(tmp_path / "cube.jpg")
 
 

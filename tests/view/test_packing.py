@@ -105,6 +105,17 @@ def test_pages_are_small(rings, sides, most):
     assert len(picture.html()) < most  # with the still image beneath
 
 
+@pytest.mark.parametrize(("rings", "sides", "most"), [(50, 50, 60_000), (250, 200, 1_200_000)])
+def test_the_buffers_of_a_mesh_without_any_order_are_small(rings, sides, most):
+    """Noise, and vertices and faces in random order: nothing of it can be predicted."""
+    torus, rng = shapes.torus(rings, sides), np.random.default_rng(0)
+    order = rng.permutation(len(torus.vertices))
+    vertices = (torus.vertices + rng.normal(scale=0.01, size=torus.vertices.shape))[order]
+    faces = rng.permutation(np.argsort(order)[torus.faces])
+    header, block = pack((view.mesh_scene((vertices, faces)),))
+    assert len(header) + len(block) < most
+
+
 def test_quantising_stays_in_its_range():
     assert quantised(np.array([[-1.0, 0, 2]]), np.zeros(3), 1.0).tolist() == [[0, 0, 65535]]
 

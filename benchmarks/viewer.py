@@ -3,9 +3,10 @@
 A torus coloured by height. Each library makes a page that is to need no network: k3d's full snapshot,
 plotly with its program inside, pyvista's HTML export. A page is opened in Chromium without a network and
 with software rendering; the clock runs until a picture of the window shows the colours, and taking such a
-picture takes a tenth of a second itself. Making is measured in processor time. Of ours the size and the making
-are those of a notebook's output, with the still image; what is opened is the page alone, so that the still image
-is not taken for a drawing. The least of several rounds is reported, which other programs disturb least.
+picture takes a tenth of a second itself. Making is measured in processor time. Of ours the size and the
+making are those of a notebook's output, with the still image; what is opened is the page alone, so that
+the still image is not taken for a drawing. The least of several rounds is reported, which other programs
+disturb least.
 """
 
 from __future__ import annotations

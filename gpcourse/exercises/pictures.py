@@ -168,12 +168,9 @@ class Rows:
     def _panel(self, row: FloatArray, shown: IntArray, i: int, j: int, title: str) -> Panel:
         towards = normal_at(self.vertices, self.faces, self.vertices[i])
         surface = mesh_scene((self.vertices, self.faces), direction=towards).panels[0]
-        reach = float(np.linalg.norm(self.vertices[shown] - self.vertices[i], axis=1).max())
-        near = (
-            replace(surface.camera, focus=tuple(self.vertices[i]), radius=1.25 * reach)
-            if reach
-            else surface.camera
-        )
+        middle = (self.vertices[shown].min(axis=0) + self.vertices[shown].max(axis=0)) / 2
+        reach = float(np.linalg.norm(self.vertices[shown] - middle, axis=1).max())
+        near = replace(surface.camera, focus=tuple(middle), radius=1.25 * reach) if reach else surface.camera
         colours = tuple(WRONG if v == j else "black" for v in shown)
         texts = tuple(f"{row[v]:.3g}".replace("-", "−") for v in shown)
         numbers = Labels(self.vertices[shown], texts, colours, place="badge", size=7.5, hidden="show")

@@ -29,7 +29,7 @@ from gpcourse.geometry.halfedge_mesh import HalfedgeMesh
 from gpcourse.view import scene
 from gpcourse.view.camera import positions as positions_of
 from gpcourse.view.checks import check_settings
-from gpcourse.view.compose import curves_scene, mesh_scene, points_scene, vectors_scene
+from gpcourse.view.compose import curves_scene, labels_scene, mesh_scene, points_scene, vectors_scene
 from gpcourse.view.connectivity import halfedge_scene
 from gpcourse.view.one_ring import neighbours_scene
 from gpcourse.view.picture import Picture
@@ -43,6 +43,8 @@ __all__ = [
     "curves_scene",
     "halfedge_scene",
     "halfedges",
+    "labels",
+    "labels_scene",
     "mesh",
     "mesh_scene",
     "neighbours",
@@ -224,6 +226,12 @@ def vectors(at: object, vectors: object, *, static: bool | None = None, **settin
     """Show vectors as arrows. Settings: ``on, colour, scale, title, direction, alt``."""
     check_settings(settings, vectors_scene, "view.vectors")
     return Picture(_seen(vectors_scene(at, vectors, **settings)), static=static)
+
+
+def labels(positions: object, texts: object, *, static: bool | None = None, **settings: Any) -> Picture:
+    """Write a text beside each point. Settings: ``on, colour, title, direction, alt``."""
+    check_settings(settings, labels_scene, "view.labels")
+    return Picture(_seen(labels_scene(positions, texts, **settings)), static=static)
 
 
 def together(*pictures: Picture | Scene, static: bool | None = None, alt: str | None = None) -> Picture:

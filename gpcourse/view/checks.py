@@ -111,9 +111,10 @@ def as_text(value: object) -> str:
     return "" if value is None else str(value)
 
 
-def as_texts(value: object, count: int) -> tuple[str, ...]:
+def as_texts(value: object, count: int, *, exactly: bool = False) -> tuple[str, ...]:
+    """Return `count` texts; none at all will do unless `exactly`."""
     texts = tuple(str(text) for text in value) if isinstance(value, Iterable) else ()
-    if isinstance(value, str) or len(texts) not in (0, count):
+    if isinstance(value, str) or len(texts) not in ((count,) if exactly else (0, count)):
         raise ArrayError(f"there are {len(texts)} texts for {count} places; give one for each")
     return texts
 

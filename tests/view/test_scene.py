@@ -21,7 +21,7 @@ TETRAHEDRON = (
 
 MAKERS = (
     view.mesh_scene, view.halfedge_scene, view.neighbours_scene, view.points_scene, view.curves_scene,
-    view.vectors_scene,
+    view.vectors_scene, view.labels_scene,
 )  # fmt: skip
 
 
@@ -182,6 +182,12 @@ def test_values_go_to_faces_when_there_is_one_for_each():
         (lambda: view.vectors(TETRAHEDRON[0], TETRAHEDRON[0], scale=-1), "scale is -1"),
         (lambda: view.vectors(TETRAHEDRON[0], TETRAHEDRON[0], scale=1e308), "give a smaller one"),
         (lambda: view.vectors(TETRAHEDRON[0], TETRAHEDRON[0], on=3), "a int cannot be drawn as a mesh"),
+        (
+            lambda: view.labels(TETRAHEDRON[0], ["a", "b"]),
+            "there are 2 texts for 4 places; give one for each",
+        ),
+        (lambda: view.labels(TETRAHEDRON[0], []), "there are 0 texts for 4 places"),
+        (lambda: view.labels(TETRAHEDRON[0], "abcd"), "there are 4 texts"),
         (view.together, "give at least one"),
         (lambda: view.together(view.side_by_side(*2 * [view.mesh(TETRAHEDRON)])), "picture 0 has 2 panels"),
         (lambda: view.animation(None), "pictures is a NoneType"),
@@ -301,6 +307,15 @@ def test_pictures_are_laid_over_each_other_as_the_first_is_seen():
     assert panel.camera == first.scene.panels[0].camera
     assert repr(both) == f"{first!r} {second!r}"
     assert "<iframe" in both.html()
+
+
+def test_texts_stand_beside_their_points():
+    picture = view.labels(TETRAHEDRON[0], ["a", "b", 3, "½"], on=TETRAHEDRON, colour="red")
+    _, dots, words = picture.scene.panels[0].layers
+    np.testing.assert_array_equal(dots.positions, words.positions)
+    assert words.texts == ("a", "b", "3", "½")
+    assert set(words.colours) == {"#c8450c"}
+    assert repr(picture) == "4 labels on a mesh of 4 vertices and 4 triangles: a, b, 3, ½."
 
 
 def test_colours_are_names_or_numbers():

@@ -7,7 +7,6 @@ from base64 import b64encode
 from collections.abc import Callable
 from functools import cached_property
 from html import escape
-from io import BytesIO
 from os import PathLike
 from pathlib import Path
 from reprlib import repr as short
@@ -115,16 +114,11 @@ class Picture:
 
         As ``png`` it is exact; as ``webp`` it looks the same at a tenth of the size.
         """
-        data = b64encode(self.png() if kind == "png" else self._webp()).decode("ascii")
+        from gpcourse.view.static import render
+
+        data = b64encode(self.png() if kind == "png" else render(self.scene, self.dpi, kind)).decode("ascii")
         alt = escape(self.scene.alt, quote=True)
         return f'<img alt="{alt}" src="data:image/{kind};base64,{data}" style="max-width:100%">'
-
-    def _webp(self) -> bytes:
-        from PIL import Image
-
-        file = BytesIO()
-        Image.open(BytesIO(self.png())).save(file, "WEBP", quality=70, method=4)
-        return file.getvalue()
 
     def html(self) -> str:
         """Return what a notebook shows."""

@@ -109,7 +109,7 @@ def left_face(mesh: HalfedgeMesh) -> tuple[IntArray, BoolArray]:
 
 
 def _in_range(points: FloatArray) -> FloatArray:
-    """Change the unit of a flow that has blown up, or of a speck, so that areas are finite in a browser too."""
+    """Change the unit of a flow that has blown up, or of a speck: a browser has numbers of 32 bits."""
     largest = float(np.abs(points).max(initial=0.0))
     return points / largest if largest > 1e15 or 0 < largest < 1e-15 else points
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from base64 import b64encode
 from collections.abc import Callable
 from functools import cached_property
@@ -19,6 +20,15 @@ from gpcourse.view.scene import Scene
 STATIC = "GPCOURSE_STATIC"
 
 
+def _static_only() -> bool:
+    """Tell what the environment wants; without a word, kernels that pytest runs (nbval) want still images."""
+    said = os.environ.get(STATIC)
+    if said is not None:
+        return said not in ("", "0")
+    ipython = sys.modules.get("IPython")
+    return "PYTEST_VERSION" in os.environ and ipython is not None and ipython.get_ipython() is not None
+
+
 class Picture:
     """A scene to look at: static as PNG, to be turned and asked in a notebook.
 
@@ -30,7 +40,7 @@ class Picture:
     scene : Scene
         What the static picture shows.
     static : bool or None
-        Show the static picture only; None: if the environment has GPCOURSE_STATIC.
+        Show the static picture only; None: if the environment has GPCOURSE_STATIC, or under nbval.
     dpi : int
         Pixels per inch of the static picture; see `static.render`.
     frames : tuple of Scene
@@ -122,8 +132,7 @@ class Picture:
 
     def html(self) -> str:
         """Return what a notebook shows."""
-        static = os.environ.get(STATIC, "0") not in ("", "0") if self.static is None else self.static
-        if static:
+        if _static_only() if self.static is None else self.static:
             return self.image()
         from gpcourse.view.interactive import framed
 

@@ -2,6 +2,7 @@
 
 import base64
 import json
+import os
 import zlib
 
 import numpy as np
@@ -135,6 +136,18 @@ def test_static_pictures_hold_no_page(monkeypatch):
     assert "<iframe" not in view.mesh(shapes.cube()).html()
     assert "<img" in view.mesh(shapes.cube()).html()
     assert "<iframe" in view.mesh(shapes.cube(), static=False).html()
+
+
+def test_under_nbval_pictures_are_static(monkeypatch):
+    import IPython
+
+    monkeypatch.delenv("GPCOURSE_STATIC", raising=False)
+    assert "PYTEST_VERSION" in os.environ
+    assert "<iframe" in view.mesh(shapes.cube()).html()  # this is no kernel
+    monkeypatch.setattr(IPython, "get_ipython", object)
+    assert "<iframe" not in view.mesh(shapes.cube()).html()
+    monkeypatch.setenv("GPCOURSE_STATIC", "0")
+    assert "<iframe" in view.mesh(shapes.cube()).html()
 
 
 def test_pages_hold_no_address():

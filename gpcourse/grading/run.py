@@ -4,26 +4,23 @@ from __future__ import annotations
 
 import os
 import tempfile
-import threading
-from collections.abc import Callable, Generator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import ExitStack, closing
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from gpcourse.errors import UsageError, WorkerError
+from gpcourse.errors import UsageError
 from gpcourse.exercises.course import CHAPTERS, Chapter
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.grading import gradebook, reports
-from gpcourse.grading.journal import Journal, conditions, files_of, locked, without_answers, writing
-from gpcourse.grading.judge import OpenWorker, Report, judge_submission
+from gpcourse.grading.crews import Marks, mark_here
+from gpcourse.grading.journal import Journal, conditions, course_digest, files_of, locked, writing
+from gpcourse.grading.judge import Report
 from gpcourse.grading.junit import junit as junit_xml
-from gpcourse.grading.recall import CAPACITY, Recall
+from gpcourse.grading.marking import Task
 from gpcourse.grading.submission import Notebook, Owner, Submission, read_class
 from gpcourse.sandbox import confine, home
-from gpcourse.sandbox.line import Line
 from gpcourse.sandbox.lockdown import Level
-from gpcourse.sandbox.proxy import Worker
 
 #: ``progress(done, total, student)`` is called after each submission, in no fixed order.
 Progress = Callable[[int, int, str], object]
@@ -149,15 +146,6 @@ def grade(
         return run.finish(junit=junit)
 
 
-@dataclass(frozen=True)
-class _Graded:
-    """A report without its questions and answers, the student's page, and what Gradescope gets."""
-
-    report: Report
-    page: str
-    results: str
-
-
 @dataclass
 class _Run:
     """One run over a class, within the lock on its folder."""
@@ -174,8 +162,6 @@ class _Run:
     def __post_init__(self) -> None:
         self.stems = gradebook.file_names(s.student for s in self.submissions)
         self.done: dict[str, Report] = {}
-        self._own = threading.local()
-        self._drawing = threading.Lock()
 
     def finish(self, *, junit: bool) -> GradeBook:
         """Grade what is not done yet, and write the grade book."""
@@ -192,8 +178,8 @@ class _Run:
 
     def _grade(self, left: Sequence[Submission], journal: Journal) -> None:
         by_name = {submission.student: submission for submission in left}
-        with closing(self._judge_all(left)) as judged:
-            for each in judged:
+        with closing(self._mark_all(left)) as marked:
+            for each in marked:
                 stem = self.stems[each.report.student]
                 with writing(self.out):
                     for path, text in zip(files_of(self.out, stem), (each.page, each.results), strict=True):
@@ -202,56 +188,16 @@ class _Run:
                 self.done[each.report.student] = each.report
                 self.progress(len(self.done), len(self.submissions), each.report.student)
 
-    def _graded(self, submission: Submission, open_worker: OpenWorker) -> _Graded:
-        if not hasattr(self._own, "recall"):  # a memory is not made for two threads at a time
-            self._own.recall = Recall(self.seed, CAPACITY // self.jobs)
-        judge = self._own.recall.judge
-        report = judge_submission(submission, self.exercises, self.seed, open_worker, judge)
-        report = replace(report, confinement=self.limits.least)
-        with self._drawing:  # nor is Matplotlib
-            page = reports.student_page(report, self.chapters, self.seed)
-        return _Graded(without_answers(report), page, gradebook.gradescope(report))
-
-    def _judge_all(self, left: Sequence[Submission]) -> Generator[_Graded, None, None]:
-        """Yield the reports as they are done. Most of the work is in the workers, so threads are enough."""
+    def _mark_all(self, left: Sequence[Submission]) -> Marks:
+        """Yield the reports as they are done."""
         if not left:
             return
         fonts = any("matplotlib" in text for s in left for n in s.notebooks for _, text in n.cells)
-        stopped = threading.Event()
-        lines: set[Line] = set()
-
-        def start(package: Path, limits: confine.Limits) -> Line:
-            lines.difference_update([line for line in tuple(lines) if line.closed])
-            line = launch(package, limits)
-            lines.add(line)
-            if stopped.is_set():  # asked after it is among them, so that no process is overlooked
-                line.close()
-                raise WorkerError("grading was interrupted")
-            return line
-
-        with (
-            tempfile.TemporaryDirectory(prefix="gpcourse-", ignore_cleanup_errors=True) as root,
-            ExitStack() as opened,
-        ):
+        with tempfile.TemporaryDirectory(prefix="gpcourse-", ignore_cleanup_errors=True) as root:
             package = home.build(Path(root) / "home", fonts=fonts)
-            launch = opened.enter_context(confine.launcher(package, ("matplotlib.pyplot",) if fonts else ()))
-
-            def graded(submission: Submission) -> _Graded:
-                return self._graded(
-                    submission, lambda notebook: Worker(list(notebook.cells), package, self.limits, start)
-                )
-
-            with ThreadPoolExecutor(self.jobs) as pool:
-                try:
-                    # No list of them is kept: one that was read is let go, and so is what it holds.
-                    for future in as_completed([pool.submit(graded, s) for s in left]):
-                        yield future.result()
-                except BaseException:
-                    stopped.set()  # Ctrl-C: what is being asked now is not waited for, nor asked again
-                    for line in tuple(lines):
-                        line.kill()
-                    pool.shutdown(wait=False, cancel_futures=True)
-                    raise
+            stems = tuple(chapter.stem for chapter in self.chapters)
+            task = Task(stems, self.seed, self.limits, fonts, package, course_digest())
+            yield from mark_here(task, left, self.jobs)
 
     def _write_book(self, resumed: int, *, junit: bool) -> GradeBook:
         everyone = tuple(self.done[s.student] for s in self.submissions)

@@ -1,0 +1,123 @@
+"""Who marks a class: threads of this process, processes of this machine, or a cluster."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections import deque
+from collections.abc import Generator, Iterator, Sequence
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    as_completed,
+    wait,
+)
+from contextlib import contextmanager
+from multiprocessing.connection import wait as wait_for
+
+from gpcourse.errors import WorkerError
+from gpcourse.grading.marking import Crossing, Marked, Marker, Task, mark_there, not_marked, received
+from gpcourse.grading.submission import Submission
+
+#: Up to so many submissions at a time threads are enough: most of the work is in the workers.
+THREADS = 4
+#: A process of its own is worth its start for so many submissions.
+WORTH = 8
+
+Marks = Generator[Marked, None, None]
+
+
+def mark_here(task: Task, left: Sequence[Submission], jobs: int) -> Marks:
+    """Mark submissions on this machine, `jobs` at a time; yield them as they are done."""
+    if jobs > THREADS and len(left) >= WORTH * jobs:
+        return in_processes(task, left, jobs)
+    return in_threads(task, left, jobs)
+
+
+def in_threads(task: Task, left: Sequence[Submission], jobs: int) -> Marks:
+    """Mark submissions in threads of this process."""
+    with Marker(task, jobs) as marker, ThreadPoolExecutor(jobs) as pool:
+        try:
+            # No list of them is kept: one that was read is let go, and so is what it holds.
+            for future in as_completed([pool.submit(marker.mark, s) for s in left]):
+                yield future.result()
+        except BaseException:
+            marker.stop()  # Ctrl-C
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def in_processes(task: Task, left: Sequence[Submission], jobs: int) -> Marks:
+    """Mark submissions in processes, each with a memory of its own.
+
+    Should one end, what was being marked is marked again, each in a process for it alone: the submission that
+    ends that one too gets a row that says so, and costs no other its points.
+    """
+    waiting = deque(left)
+    while waiting:
+        with _processes(jobs) as pool:
+            lost = yield from _through(pool, task, waiting, 2 * jobs)
+        for submission in lost:
+            with _processes(1) as pool:
+                again = yield from _through(pool, task, deque([submission]), 1)
+            if again:
+                yield not_marked(submission, task, "the process that judged it has ended, twice")
+
+
+def _through(
+    pool: Executor, task: Task, waiting: deque[Submission], most: int
+) -> Generator[Marked, None, list[Submission]]:
+    """Hand out submissions, `most` at a time; where the pool breaks, return those that were in work."""
+    at_work: dict[Future[Crossing], Submission] = {}
+    while waiting or at_work:
+        try:
+            while waiting and len(at_work) < most:
+                at_work[pool.submit(mark_there, task, waiting[0])] = waiting.popleft()
+            for future in wait(at_work, return_when=FIRST_COMPLETED).done:
+                marked = received(future.result(), task)
+                del at_work[future]
+                yield marked
+        except BrokenExecutor:
+            return list(at_work.values())
+    return []
+
+
+@contextmanager
+def _processes(jobs: int) -> Iterator[Executor]:
+    """Yield a pool of processes, which end with the block, and with this process however it ends."""
+    before = set(multiprocessing.active_children())
+    # Not forked: this process may have threads.
+    pool = ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn"), _begin)
+    try:
+        try:
+            pool.submit(os.getpid).result()
+        except BrokenExecutor:
+            raise WorkerError(
+                "no process can be started to judge in; a script that calls grade() has to do so below "
+                'if __name__ == "__main__":, or with jobs=1'
+            ) from None
+        yield pool
+    except BaseException:
+        for process in set(multiprocessing.active_children()) - before:
+            process.kill()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _begin() -> None:
+    """Prepare a process of the pool: Ctrl-C is for the one that hands out the work, and ends with it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+
+    def follow() -> None:
+        wait_for([parent.sentinel] if parent else [])
+        os._exit(1)
+
+    threading.Thread(target=follow, daemon=True).start()

@@ -56,17 +56,18 @@ def in_threads(task: Task, left: Sequence[Submission], jobs: int) -> Marks:
 def in_processes(task: Task, left: Sequence[Submission], jobs: int) -> Marks:
     """Mark submissions in processes, each with a memory of its own.
 
-    Should one end, what was being marked is marked again, each in a process for it alone: the submission that
-    ends that one too gets a row that says so, and costs no other its points.
+    Should one end, what was being marked is marked again, one after the other: the submission that ends a
+    process once more gets a row that says so, and costs no other its points.
     """
     waiting = deque(left)
     while waiting:
         with _processes(jobs) as pool:
             lost = yield from _through(pool, task, waiting, 2 * jobs)
-        for submission in lost:
+        doubtful = deque(lost)
+        while doubtful:
             with _processes(1) as pool:
-                again = yield from _through(pool, task, deque([submission]), 1)
-            if again:
+                guilty = yield from _through(pool, task, doubtful, 1)
+            for submission in guilty:
                 yield not_marked(submission, task, "the process that judged it has ended, twice")
 
 
@@ -78,7 +79,8 @@ def _through(
     while waiting or at_work:
         try:
             while waiting and len(at_work) < most:
-                at_work[pool.submit(mark_there, task, waiting[0])] = waiting.popleft()
+                future = pool.submit(mark_there, task, waiting[0])
+                at_work[future] = waiting.popleft()
             for future in wait(at_work, return_when=FIRST_COMPLETED).done:
                 marked = received(future.result(), task)
                 del at_work[future]

@@ -1,0 +1,139 @@
+"""Whoever marks a class, threads, processes or a cluster: the same grades, whatever ends in the middle."""
+
+import json
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import psutil
+import pytest
+
+from gpcourse.errors import UsageError
+from gpcourse.grading import crews
+from gpcourse.grading.journal import course_digest
+from gpcourse.grading.marking import Task, mark_there
+from gpcourse.grading.submission import Submission, read_class
+from gpcourse.sandbox.confine import Limits
+
+BODIES = ("np.linalg.norm(np.cross(b - a, c - a)) / 2", "float(abs(a).sum())", "no_such_name")
+COUNT = 12
+
+
+def write_class(folder, count=COUNT, seconds=0.0):
+    folder.mkdir()
+    for i in range(count):
+        source = f"import time\nimport numpy as np\nslept = time.sleep({seconds})\n"
+        source += f"def triangle_area(a, b, c):\n    slept\n    return {BODIES[i % 3]}"
+        text = json.dumps({"cells": [{"cell_type": "code", "source": source}]})
+        (folder / f"student{i:02}.ipynb").write_text(text, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def submissions(tmp_path_factory):
+    return read_class(write_class(tmp_path_factory.mktemp("crews") / "class"))
+
+
+@pytest.fixture(scope="module")
+def task():
+    return Task(("halfedge",), 3, Limits(), course=course_digest())
+
+
+@pytest.fixture(scope="module")
+def alone(task, submissions):
+    """What comes of it in one thread: by student."""
+    return told(crews.in_threads(task, submissions, 1))
+
+
+def told(marks):
+    return {m.report.student: (m.report.points, m.page, m.results) for m in marks}
+
+
+def test_processes_write_what_threads_write_even_if_one_is_killed(task, submissions, alone):
+    marks = crews.in_processes(task, submissions, 2)
+    first = next(marks)
+    assert len(multiprocessing.active_children()) == 2
+    multiprocessing.active_children()[0].kill()
+    assert alone == told([first, *marks])
+    assert multiprocessing.active_children() == []
+
+
+class Poison(Submission):
+    """Ends the process that it is sent to."""
+
+    def __reduce__(self):
+        return os._exit, (1,)
+
+
+def test_a_submission_that_ends_its_process_costs_no_other_its_points(task, submissions, alone):
+    poison = Poison("mallory", submissions[0].notebooks)
+    marks = {m.report.student: m for m in crews.in_processes(task, [*submissions[:2], poison], 2)}
+    report = marks.pop("mallory").report
+    assert report.status == "grader fault"
+    assert (report.points, len(report.judged)) == (0, len(task.exercises))
+    assert "the process that judged it has ended, twice" in report.fault
+    assert told(marks.values()) == {name: alone[name] for name in marks}
+    assert len(marks) == 2
+
+
+@pytest.mark.parametrize(
+    ("jobs", "count", "chosen"), [(1, 100, "in_threads"), (8, 63, "in_threads"), (8, 64, "in_processes")]
+)
+def test_processes_are_started_where_they_are_worth_it(monkeypatch, jobs, count, chosen):
+    for name in ("in_threads", "in_processes"):
+        monkeypatch.setattr(crews, name, lambda *_, name=name: name)
+    assert crews.mark_here(None, [None] * count, jobs) == chosen
+
+
+def test_who_has_another_course_marks_nothing(task, submissions):
+    other = Task(task.stems, task.seed, task.limits, course="another")
+    with pytest.raises(UsageError, match="has another gpcourse, Python, numpy"):
+        mark_there(other, submissions[0])
+
+
+def test_a_script_that_is_not_guarded_is_told_so(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "from gpcourse.grading import crews\nfrom gpcourse.grading.marking import Task\n"
+        "from gpcourse.sandbox.confine import Limits\n"
+        "list(crews.in_processes(Task(('halfedge',), 0, Limits()), [1], 1))\n"
+    )
+    said = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=60, check=False)
+    assert 'below if __name__ == "__main__":' in said.stderr.splitlines()[-1]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are those of POSIX")
+@pytest.mark.parametrize("kind", [signal.SIGKILL, signal.SIGINT])
+def test_processes_end_with_the_run(tmp_path, kind):
+    folder = write_class(tmp_path / "class", seconds=0.5)
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import sys\nfrom gpcourse.grading import crews, grade\n"
+        "if __name__ == '__main__':\n    crews.THREADS, crews.WORTH = 0, 1\n"
+        "    grade(sys.argv[1], sys.argv[2], jobs=2, allow_unconfined=True)\n"
+    )
+    out = tmp_path / "out"
+    run = psutil.Popen(
+        [sys.executable, script, folder, out], stderr=subprocess.DEVNULL, start_new_session=True
+    )
+    until(lambda: (out / "students").is_dir() and any((out / "students").iterdir()))
+    family = run.children(recursive=True)
+    assert len(family) >= 4  # two that judge, each with the parent of its workers
+    os.killpg(run.pid, kind) if kind == signal.SIGINT else run.kill()
+    assert run.wait(20) != 0
+    until(lambda: not any(map(alive, family)), 20)
+    assert 0 < len((out / "journal.jsonl").read_bytes().splitlines()) - 1 < COUNT
+
+
+def alive(process):
+    return process.is_running() and process.status() != psutil.STATUS_ZOMBIE
+
+
+def until(true, seconds=60):
+    late = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < late, "waited in vain"
+        time.sleep(0.02)

@@ -1,4 +1,4 @@
-"""Who marks a class: threads of this process, processes of this machine, or a cluster."""
+"""Who marks a class: threads of this process, or processes of this machine (`cluster` has the third crew)."""
 
 from __future__ import annotations
 
@@ -62,32 +62,43 @@ def in_processes(task: Task, left: Sequence[Submission], jobs: int) -> Marks:
     waiting = deque(left)
     while waiting:
         with _processes(jobs) as pool:
-            lost = yield from _through(pool, task, waiting, 2 * jobs)
+            lost = yield from through(pool, task, waiting, 2 * jobs)
         doubtful = deque(lost)
         while doubtful:
             with _processes(1) as pool:
-                guilty = yield from _through(pool, task, doubtful, 1)
+                guilty = yield from through(pool, task, doubtful, 1)
             for submission in guilty:
                 yield not_marked(submission, task, "the process that judged it has ended, twice")
 
 
-def _through(
-    pool: Executor, task: Task, waiting: deque[Submission], most: int
+def through(
+    pool: Executor,
+    task: Task,
+    waiting: deque[Submission],
+    most: int,
+    ended: tuple[type[BaseException], ...] = (),
 ) -> Generator[Marked, None, list[Submission]]:
-    """Hand out submissions, `most` at a time; where the pool breaks, return those that were in work."""
+    """Hand out submissions, `most` at a time, until none is waiting or the pool is broken.
+
+    Returns those that were in work when their process ended; `ended` are the exceptions that say so.
+    """
     at_work: dict[Future[Crossing], Submission] = {}
+    lost: list[Submission] = []
     while waiting or at_work:
         try:
             while waiting and len(at_work) < most:
                 future = pool.submit(mark_there, task, waiting[0])
                 at_work[future] = waiting.popleft()
             for future in wait(at_work, return_when=FIRST_COMPLETED).done:
+                if isinstance(future.exception(), ended):
+                    lost.append(at_work.pop(future))
+                    continue
                 marked = received(future.result(), task)
                 del at_work[future]
                 yield marked
         except BrokenExecutor:
-            return list(at_work.values())
-    return []
+            return [*lost, *at_work.values()]
+    return lost
 
 
 @contextmanager

@@ -35,6 +35,8 @@ SIGNS: dict[Outcome, tuple[str, str]] = {
 _BINS = 10
 #: Characters of a text on a page.
 _LONGEST = 6000
+#: Characters of a line of code on a page.
+_LINE = 400
 
 
 @dataclass(frozen=True)
@@ -153,7 +155,11 @@ def similarity_page(
     pairs: Sequence[Any], sides: Sequence[list[list[tuple[str, bool]]]], count: int, threshold: float
 ) -> str:
     """Write the page on shared code: `sides` are the lines of both texts, and which of them are shared."""
-    rows = [{"pair": pair, "sides": texts} for pair, texts in zip(pairs, sides, strict=True)]
+    from markupsafe import escape
+
+    # Escaped here, where a line keeps its indentation.
+    escaped = [[[(escape(line[:_LINE]), mark) for line, mark in side] for side in two] for two in sides]
+    rows = [{"pair": pair, "sides": two} for pair, two in zip(pairs, escaped, strict=True)]
     return _render("similarity.html", pairs=rows, count=count, threshold=threshold)
 
 

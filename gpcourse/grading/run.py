@@ -5,14 +5,16 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 from gpcourse.errors import UsageError
 from gpcourse.exercises.course import CHAPTERS, Chapter
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.grading import gradebook, reports
+from gpcourse.grading.cluster import Cluster
 from gpcourse.grading.crews import Marks, mark_here
 from gpcourse.grading.journal import Journal, conditions, course_digest, files_of, locked, writing
 from gpcourse.grading.judge import Report
@@ -20,7 +22,7 @@ from gpcourse.grading.junit import junit as junit_xml
 from gpcourse.grading.marking import Task
 from gpcourse.grading.submission import Notebook, Owner, Submission, read_class
 from gpcourse.sandbox import confine, home
-from gpcourse.sandbox.lockdown import Level
+from gpcourse.sandbox.lockdown import Confinement, Level
 
 #: ``progress(done, total, student)`` is called after each submission, in no fixed order.
 Progress = Callable[[int, int, str], object]
@@ -78,6 +80,7 @@ def grade(
     limits: confine.Limits | None = None,
     allow_unconfined: bool = False,
     junit: bool = False,
+    scheduler: str | None = None,
     progress: Progress | None = None,
 ) -> GradeBook:
     """Grade the submissions in `folder` and write the grade book into `out`.
@@ -100,7 +103,9 @@ def grade(
     chapters : sequence of str, optional
         Numbers or stems ("1", "halfedge"); by default those of which a submission has a function.
     jobs : int, optional
-        Submissions at a time; by default the number of cores.
+        Submissions at a time on this machine; by default the number of cores. For more than
+        `crews.THREADS` of a large class processes are started: a script then needs the usual guard,
+        ``if __name__ == "__main__":``.
     limits : Limits, optional
         What a notebook may use.
     allow_unconfined : bool
@@ -108,6 +113,8 @@ def grade(
         that you trust.
     junit : bool
         Write ``junit.xml`` too.
+    scheduler : str, optional
+        The address of a Dask scheduler whose workers do the marking, as ``tcp://10.0.0.5:8786``.
     progress : callable, optional
         Called as ``progress(done, total, student)`` after each submission, and first with no student if an
         earlier run had graded some.
@@ -116,7 +123,7 @@ def grade(
     ------
     UsageError
         If there are no submissions, another argument cannot be used, this machine cannot confine, another
-        run is grading into `out`, or the disk is full.
+        run is grading into `out`, the disk is full, or the scheduler is gone.
     WorkerError
         If no process can be started.
     """
@@ -131,19 +138,21 @@ def grade(
         else chapters_in([n for s in submissions for n in s.notebooks]) or CHAPTERS
     )
     exercises = tuple(exercise for chapter in chosen for exercise in chapter.exercises)
-    limits = _confined(limits or confine.Limits(), allow_unconfined)
-    run = _Run(
-        submissions,
-        chosen,
-        exercises,
-        seed,
-        out,
-        limits,
-        jobs or os.cpu_count() or 1,
-        progress or (lambda *_: None),
-    )
-    with locked(out):
+    limits = limits or confine.Limits()
+    with ExitStack() as stack:
+        cluster = stack.enter_context(Cluster(scheduler)) if scheduler else None
+        reached = cluster.confinement() if cluster else confine.level_here()
+        limits = _confined(limits, reached, allow_unconfined)
+        mark = cluster.mark if cluster else partial(_mark_here, jobs=jobs or os.cpu_count() or 1)
+        run = _Run(submissions, chosen, exercises, seed, out, limits, mark, progress or (lambda *_: None))
+        stack.enter_context(locked(out))
         return run.finish(junit=junit)
+
+
+def _mark_here(task: Task, left: Sequence[Submission], jobs: int) -> Marks:
+    with tempfile.TemporaryDirectory(prefix="gpcourse-", ignore_cleanup_errors=True) as root:
+        package = home.build(Path(root) / "home", fonts=task.fonts)
+        yield from mark_here(replace(task, package=package), left, jobs)
 
 
 @dataclass
@@ -156,7 +165,7 @@ class _Run:
     seed: int
     out: Path
     limits: confine.Limits
-    jobs: int
+    mark: Callable[[Task, Sequence[Submission]], Marks]
     progress: Progress
 
     def __post_init__(self) -> None:
@@ -193,11 +202,9 @@ class _Run:
         if not left:
             return
         fonts = any("matplotlib" in text for s in left for n in s.notebooks for _, text in n.cells)
-        with tempfile.TemporaryDirectory(prefix="gpcourse-", ignore_cleanup_errors=True) as root:
-            package = home.build(Path(root) / "home", fonts=fonts)
-            stems = tuple(chapter.stem for chapter in self.chapters)
-            task = Task(stems, self.seed, self.limits, fonts, package, course_digest())
-            yield from mark_here(task, left, self.jobs)
+        stems = tuple(chapter.stem for chapter in self.chapters)
+        task = Task(stems, self.seed, self.limits, fonts, course=course_digest())
+        yield from self.mark(task, left)
 
     def _write_book(self, resumed: int, *, junit: bool) -> GradeBook:
         everyone = tuple(self.done[s.student] for s in self.submissions)
@@ -221,16 +228,15 @@ class _Run:
         return book
 
 
-def _confined(limits: confine.Limits, allow_unconfined: bool) -> confine.Limits:
-    """Return limits that ask every worker for the level that this machine reaches, found by trying."""
-    here = confine.level_here()
-    if not (allow_unconfined or here.reaches("restricted")):
+def _confined(limits: confine.Limits, reached: Confinement, allow_unconfined: bool) -> confine.Limits:
+    """Return limits that ask every worker for the level that was reached, found by trying."""
+    if not (allow_unconfined or reached.reaches("restricted")):
         raise UsageError(
-            f"student code cannot be confined here: this machine reaches the level {here.level!r}, below "
-            f"'restricted', for want of {'; '.join(here.missing)}. Grade on Linux 5.13 or newer; or, if you "
-            "trust whoever wrote the submissions, give --allow-unconfined"
+            f"student code cannot be confined here: this machine reaches the level {reached.level!r}, below "
+            f"'restricted', for want of {'; '.join(reached.missing)}. Grade on Linux 5.13 or newer; or, if "
+            "you trust whoever wrote the submissions, give --allow-unconfined"
         )
-    return replace(limits, least=here.level)
+    return replace(limits, least=reached.level)
 
 
 def _check_out(folder: Path, out: Path) -> None:

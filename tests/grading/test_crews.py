@@ -3,16 +3,18 @@
 import json
 import multiprocessing
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import psutil
 import pytest
 
 from gpcourse.errors import UsageError
-from gpcourse.grading import crews
+from gpcourse.grading import crews, grade
 from gpcourse.grading.journal import course_digest
 from gpcourse.grading.marking import Task, mark_there
 from gpcourse.grading.submission import Submission, read_class
@@ -137,3 +139,80 @@ def until(true, seconds=60):
     while not true():
         assert time.monotonic() < late, "waited in vain"
         time.sleep(0.02)
+
+
+# A Dask cluster, started as an instructor starts it.
+
+DASK = [sys.executable, "-W", "ignore", "-m", "dask"]
+
+
+def started(folder, name, *words):
+    with (folder / f"{name}.log").open("w") as log:
+        return psutil.Popen([*DASK, *words], stdout=log, stderr=log, cwd=folder)
+
+
+def end(process):
+    for each in [*process.children(recursive=True), process]:
+        each.kill()
+    process.wait()
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory):
+    """The address of a scheduler without workers, and a function that starts one."""
+    folder = tmp_path_factory.mktemp("cluster")
+    running = [
+        started(folder, "scheduler", "scheduler", "--port", "0", "--no-dashboard", "--host", "127.0.0.1")
+    ]
+    said = folder / "scheduler.log"
+    until(lambda: re.search(r"Scheduler at: +(tcp://\S+)", said.read_text()))
+    address = re.search(r"Scheduler at: +(tcp://\S+)", said.read_text())[1]
+
+    def start_worker(name):
+        words = ("--nthreads", "1", "--no-dashboard", "--name", name)
+        running.append(started(folder, name, "worker", address, *words))
+        until(lambda: "Registered to" in (folder / f"{name}.log").read_text())
+        return running[-1]
+
+    yield address, start_worker
+    for process in running:
+        end(process)
+
+
+def test_a_class_is_marked_although_a_worker_is_killed(scheduler, tmp_path):
+    address, start_worker = scheduler
+    folder = write_class(tmp_path / "class", COUNT, seconds=0.2)
+    with pytest.raises(UsageError, match=f"{address} has no workers; start some with: dask worker {address}"):
+        grade(folder, tmp_path / "out", scheduler=address)
+    first, _ = start_worker("first"), start_worker("second")
+    here = grade(folder, tmp_path / "here", allow_unconfined=True)
+
+    def kill(done, total, student):
+        if done == 2:
+            for process in first.children(recursive=True):  # the nanny starts another one
+                process.kill()
+
+    there = grade(folder, tmp_path / "there", allow_unconfined=True, scheduler=address, progress=kill)
+    assert there.table.read_bytes() == here.table.read_bytes()
+    assert there.page.read_bytes() == here.page.read_bytes()
+    assert [r.points for r in there.reports] == [4 if i % 3 == 0 else 0 for i in range(COUNT)]
+    assert "exited" in log_of(first) or "died" in log_of(first) or "Restarting" in log_of(first)
+
+
+def log_of(process):
+    return (Path(process.cwd()) / "first.log").read_text()
+
+
+def test_where_no_scheduler_answers_it_is_said(tmp_path, monkeypatch):
+    monkeypatch.setattr("gpcourse.grading.cluster.PATIENCE", 0.5)
+    folder = write_class(tmp_path / "class", 1)
+    for address in ("tcp://127.0.0.1:9", "nonsense://x"):
+        with pytest.raises(UsageError, match=f"no scheduler answers at {address}: .*dask scheduler"):
+            grade(folder, tmp_path / "out", scheduler=address)
+    assert not (tmp_path / "out").exists()
+
+
+def test_without_the_extra_it_is_named(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(UsageError, match=r"pip install 'gpcourse\[cluster\]'"):
+        grade(write_class(tmp_path / "class", 1), tmp_path / "out", scheduler="tcp://127.0.0.1:9")

@@ -152,7 +152,11 @@ def class_page(
 
 
 def similarity_page(
-    pairs: Sequence[Any], sides: Sequence[list[list[tuple[str, bool]]]], count: int, threshold: float
+    pairs: Sequence[Any],
+    sides: Sequence[list[list[tuple[str, bool]]]],
+    count: int,
+    threshold: float,
+    more: int = 0,
 ) -> str:
     """Write the page on shared code: `sides` are the lines of both texts, and which of them are shared."""
     from markupsafe import escape
@@ -160,7 +164,7 @@ def similarity_page(
     # Escaped here, where a line keeps its indentation.
     escaped = [[[(escape(line[:_LINE]), mark) for line, mark in side] for side in two] for two in sides]
     rows = [{"pair": pair, "sides": two} for pair, two in zip(pairs, escaped, strict=True)]
-    return _render("similarity.html", pairs=rows, count=count, threshold=threshold)
+    return _render("similarity.html", pairs=rows, count=count, threshold=threshold, more=more)
 
 
 def _needs_a_person(report: Report) -> bool:

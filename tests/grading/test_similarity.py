@@ -116,3 +116,12 @@ def test_without_the_extra_it_is_named(folder, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "copydetect", None)
     with pytest.raises(UsageError, match=r"gpcourse\[similarity\]"):
         compare(folder, course_notebooks(), tmp_path / "out")
+
+
+def test_the_page_shows_the_most_alike_and_counts_the_others(folder, tmp_path, monkeypatch):
+    monkeypatch.setattr("gpcourse.grading.similarity.MOST", 1)
+    pairs = compare(folder, course_notebooks(), tmp_path / "out", threshold=0.1)
+    page = (tmp_path / "out/similarity.html").read_text("utf-8")
+    assert len(pairs) > 2
+    assert page.count('<details class="pair') == 1
+    assert f"the other {len(pairs) - 1} are in similarity.csv" in page

@@ -18,12 +18,26 @@ from concurrent.futures import (
     as_completed,
     wait,
 )
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from multiprocessing.connection import wait as wait_for
+from typing import Self
 
 from gpcourse.errors import WorkerError
-from gpcourse.grading.marking import Crossing, Marked, Marker, Task, mark_there, not_marked, received
+from gpcourse.grading.marking import (
+    Crossing,
+    Marked,
+    Marker,
+    Task,
+    launcher,
+    made_home,
+    mark_there,
+    not_marked,
+    received,
+)
 from gpcourse.grading.submission import Submission
+from gpcourse.sandbox.confine import Launch, Limits
+from gpcourse.sandbox.lockdown import Confinement
 
 #: Up to so many submissions at a time threads are enough: most of the work is in the workers.
 THREADS = 4
@@ -33,16 +47,53 @@ WORTH = 8
 Marks = Generator[Marked, None, None]
 
 
-def mark_here(task: Task, left: Sequence[Submission], jobs: int) -> Marks:
-    """Mark submissions on this machine, `jobs` at a time; yield them as they are done."""
-    if jobs > THREADS and len(left) >= WORTH * jobs:
-        return in_processes(task, left, jobs)
-    return in_threads(task, left, jobs)
+class Here:
+    """This machine as a crew. Use it in a ``with`` block.
+
+    Parameters
+    ----------
+    jobs : int
+        How many submissions are marked at a time.
+    fonts : bool
+        Whether a notebook uses Matplotlib.
+    """
+
+    def __init__(self, jobs: int, *, fonts: bool) -> None:
+        self.jobs = jobs
+        self.fonts = fonts
+        self._opened = ExitStack()
+
+    def __enter__(self) -> Self:
+        self._package = self._opened.enter_context(made_home(fonts=self.fonts))
+        self._start = self._opened.enter_context(launcher(self._package, fonts=self.fonts))
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._opened.close()
+
+    def confinement(self) -> Confinement:
+        """Start a worker, and return the confinement that it reached.
+
+        Raises
+        ------
+        WorkerError
+            If none can be started.
+        """
+        line = self._start(self._package, Limits())
+        line.close()
+        return line.confinement
+
+    def mark(self, task: Task, left: Sequence[Submission]) -> Marks:
+        """Mark submissions; yield them as they are done."""
+        task = replace(task, package=self._package)
+        if self.jobs > THREADS and len(left) >= WORTH * self.jobs:
+            return in_processes(task, left, self.jobs)
+        return in_threads(task, left, self.jobs, self._start)
 
 
-def in_threads(task: Task, left: Sequence[Submission], jobs: int) -> Marks:
-    """Mark submissions in threads of this process."""
-    with Marker(task, jobs) as marker, ThreadPoolExecutor(jobs) as pool:
+def in_threads(task: Task, left: Sequence[Submission], jobs: int, start: Launch | None = None) -> Marks:
+    """Mark submissions in threads of this process, with workers from `start`."""
+    with Marker(task, jobs, start) as marker, ThreadPoolExecutor(jobs) as pool:
         try:
             # No list of them is kept: one that was read is let go, and so is what it holds.
             for future in as_completed([pool.submit(marker.mark, s) for s in left]):

@@ -6,8 +6,8 @@ import atexit
 import platform
 import tempfile
 import threading
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
@@ -72,15 +72,29 @@ class Marked:
     results: str
 
 
+@contextmanager
+def made_home(*, fonts: bool) -> Iterator[Path]:
+    """Yield the folder that workers import gpcourse from; it is there until the block ends."""
+    with tempfile.TemporaryDirectory(prefix="gpcourse-", ignore_cleanup_errors=True) as root:
+        yield home.build(Path(root) / "home", fonts=fonts)
+
+
+def launcher(package: Path, *, fonts: bool) -> AbstractContextManager[confine.Launch]:
+    """Return what starts workers of notebooks, which use Matplotlib or not."""
+    return confine.launcher(package, ("matplotlib.pyplot",) if fonts else ())
+
+
 class Marker:
     """Marks submissions one by one. Use it in a ``with`` block; several threads may share it.
 
-    `at_once` is how many threads do.
+    `at_once` is how many threads do. `start` starts workers, where `task.package` is made already; else both
+    are made.
     """
 
-    def __init__(self, task: Task, at_once: int = 1) -> None:
+    def __init__(self, task: Task, at_once: int = 1, start: confine.Launch | None = None) -> None:
         self.task = task
         self.at_once = at_once
+        self._launch = start
         self._own = threading.local()
         self._drawing = threading.Lock()
         self._stopped = threading.Event()
@@ -90,13 +104,10 @@ class Marker:
     def __enter__(self) -> Self:
         package = self.task.package
         if package is None:
-            root = self._opened.enter_context(
-                tempfile.TemporaryDirectory(prefix="gpcourse-", ignore_cleanup_errors=True)
-            )
-            package = home.build(Path(root) / "home", fonts=self.task.fonts)
+            package = self._opened.enter_context(made_home(fonts=self.task.fonts))
+        if self._launch is None:
+            self._launch = self._opened.enter_context(launcher(package, fonts=self.task.fonts))
         self._package = package
-        modules = ("matplotlib.pyplot",) if self.task.fonts else ()
-        self._launch = self._opened.enter_context(confine.launcher(package, modules))
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -137,6 +148,8 @@ class Marker:
 
     def _start(self, package: Path, limits: confine.Limits) -> Line:
         self._lines.difference_update([line for line in tuple(self._lines) if line.closed])
+        if self._launch is None:
+            raise WorkerError("it is used outside its with block")
         line = self._launch(package, limits)
         self._lines.add(line)
         if self._stopped.is_set():  # asked after it is among them, so that no process is overlooked

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack, closing
+from contextlib import closing
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 
 from gpcourse.errors import UsageError
@@ -15,13 +13,13 @@ from gpcourse.exercises.course import CHAPTERS, Chapter
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.grading import gradebook, reports
 from gpcourse.grading.cluster import Cluster
-from gpcourse.grading.crews import Marks, mark_here
+from gpcourse.grading.crews import Here, Marks
 from gpcourse.grading.journal import Journal, conditions, course_digest, files_of, locked, writing
 from gpcourse.grading.judge import Report
 from gpcourse.grading.junit import junit as junit_xml
 from gpcourse.grading.marking import Task
 from gpcourse.grading.submission import Notebook, Owner, Submission, read_class
-from gpcourse.sandbox import confine, home
+from gpcourse.sandbox import confine
 from gpcourse.sandbox.lockdown import Confinement, Level
 
 #: ``progress(done, total, student)`` is called after each submission, in no fixed order.
@@ -137,22 +135,13 @@ def grade(
         if chapters
         else chapters_in([n for s in submissions for n in s.notebooks]) or CHAPTERS
     )
-    exercises = tuple(exercise for chapter in chosen for exercise in chapter.exercises)
     limits = limits or confine.Limits()
-    with ExitStack() as stack:
-        cluster = stack.enter_context(Cluster(scheduler)) if scheduler else None
-        reached = cluster.confinement() if cluster else confine.level_here()
-        limits = _confined(limits, reached, allow_unconfined)
-        mark = cluster.mark if cluster else partial(_mark_here, jobs=jobs or os.cpu_count() or 1)
-        run = _Run(submissions, chosen, exercises, seed, out, limits, mark, progress or (lambda *_: None))
-        stack.enter_context(locked(out))
-        return run.finish(junit=junit)
-
-
-def _mark_here(task: Task, left: Sequence[Submission], jobs: int) -> Marks:
-    with tempfile.TemporaryDirectory(prefix="gpcourse-", ignore_cleanup_errors=True) as root:
-        package = home.build(Path(root) / "home", fonts=task.fonts)
-        yield from mark_here(replace(task, package=package), left, jobs)
+    fonts = any("matplotlib" in text for s in submissions for n in s.notebooks for _, text in n.cells)
+    with Cluster(scheduler) if scheduler else Here(jobs or os.cpu_count() or 1, fonts=fonts) as crew:
+        limits = _confined(limits, crew.confinement(), allow_unconfined)
+        task = Task(tuple(c.stem for c in chosen), seed, limits, fonts, course=course_digest())
+        with locked(out):
+            return _Run(submissions, task, out, crew.mark, progress or (lambda *_: None)).finish(junit=junit)
 
 
 @dataclass
@@ -160,34 +149,33 @@ class _Run:
     """One run over a class, within the lock on its folder."""
 
     submissions: Sequence[Submission]
-    chapters: tuple[Chapter, ...]
-    exercises: tuple[Exercise, ...]
-    seed: int
+    task: Task
     out: Path
-    limits: confine.Limits
     mark: Callable[[Task, Sequence[Submission]], Marks]
     progress: Progress
 
     def __post_init__(self) -> None:
         self.stems = gradebook.file_names(s.student for s in self.submissions)
+        self.exercises = self.task.exercises
         self.done: dict[str, Report] = {}
 
     def finish(self, *, junit: bool) -> GradeBook:
         """Grade what is not done yet, and write the grade book."""
-        with Journal(self.out, conditions(self.exercises, self.seed, self.limits)) as journal:
+        with Journal(self.out, conditions(self.exercises, self.task.seed, self.task.limits)) as journal:
             for submission in self.submissions:
                 if report := journal.recall(submission, self.stems[submission.student], self.exercises):
                     self.done[submission.student] = report
             resumed = len(self.done)
             if resumed:
                 self.progress(resumed, len(self.submissions), "")
-            self._grade([s for s in self.submissions if s.student not in self.done], journal)
+            if left := [s for s in self.submissions if s.student not in self.done]:
+                self._grade(left, journal)
         with writing(self.out):
             return self._write_book(resumed, junit=junit)
 
     def _grade(self, left: Sequence[Submission], journal: Journal) -> None:
         by_name = {submission.student: submission for submission in left}
-        with closing(self._mark_all(left)) as marked:
+        with closing(self.mark(self.task, left)) as marked:
             for each in marked:
                 stem = self.stems[each.report.student]
                 with writing(self.out):
@@ -197,24 +185,15 @@ class _Run:
                 self.done[each.report.student] = each.report
                 self.progress(len(self.done), len(self.submissions), each.report.student)
 
-    def _mark_all(self, left: Sequence[Submission]) -> Marks:
-        """Yield the reports as they are done."""
-        if not left:
-            return
-        fonts = any("matplotlib" in text for s in left for n in s.notebooks for _, text in n.cells)
-        stems = tuple(chapter.stem for chapter in self.chapters)
-        task = Task(stems, self.seed, self.limits, fonts, course=course_digest())
-        yield from self.mark(task, left)
-
     def _write_book(self, resumed: int, *, junit: bool) -> GradeBook:
         everyone = tuple(self.done[s.student] for s in self.submissions)
         book = GradeBook(
             everyone,
-            self.chapters,
+            self.task.chapters,
             self.exercises,
-            self.seed,
+            self.task.seed,
             self.out,
-            self.limits.least,
+            self.task.limits.least,
             resumed,
             {s.student: s.owner for s in self.submissions},
             {s.student: s.timestamp for s in self.submissions},
@@ -223,7 +202,7 @@ class _Run:
         gradebook.write(self.out / "times.csv", gradebook.times_csv(everyone, self.exercises))
         if junit:
             gradebook.write(self.out / "junit.xml", junit_xml(everyone))
-        page = reports.class_page(everyone, self.chapters, self.exercises, self.seed, self.stems)
+        page = reports.class_page(everyone, self.task.chapters, self.exercises, self.task.seed, self.stems)
         gradebook.write(book.page, page)
         return book
 

@@ -84,10 +84,11 @@ def test_a_submission_that_ends_its_process_costs_no_other_its_points(task, subm
 @pytest.mark.parametrize(
     ("jobs", "count", "chosen"), [(1, 100, "in_threads"), (8, 63, "in_threads"), (8, 64, "in_processes")]
 )
-def test_processes_are_started_where_they_are_worth_it(monkeypatch, jobs, count, chosen):
+def test_processes_are_started_where_they_are_worth_it(monkeypatch, task, jobs, count, chosen):
     for name in ("in_threads", "in_processes"):
         monkeypatch.setattr(crews, name, lambda *_, name=name: name)
-    assert crews.mark_here(None, [None] * count, jobs) == chosen
+    with crews.Here(jobs, fonts=False) as here:
+        assert here.mark(task, [None] * count) == chosen
 
 
 def test_who_has_another_course_marks_nothing(task, submissions):

@@ -27,7 +27,7 @@ from gpcourse.exercises.registration.inputs import (
     random_waves,
     turn,
 )
-from gpcourse.exercises.registration.rigid import best_motion, plane_motion
+from gpcourse.exercises.registration.rigid import best_motion, linearised_step, plane_motion
 from gpcourse.geometry.arrays import FloatArray
 from gpcourse.reference import registration as reference
 
@@ -132,15 +132,28 @@ def _scans(rng: Rng, n: int) -> tuple[FloatArray, FloatArray]:
 def _(f: Asked, rng: Rng) -> None:
     target, middle = _scans(rng, 81)
     source, _ = _displaced(rng, target[rng.choice(81, 50, replace=False)], 0.2, 0.1, middle)
-    value = f(source, target, None, 1, 0.0)
-    on = "one iteration, 50 points onto 81"
-    mine = _result(value, 1, on)
-    distances = brute_force(target, source)
-    want = best_motion(target[distances.argmin(axis=1)], source)
-    _expect_pose(mine, want, source, target, 1e-6, on)
-    loss = float(np.sqrt((distances.min(axis=1) ** 2).mean()))
-    what = "The loss of the first iteration, the root mean square distance of the pairs before the step,"
-    expect.close(float(mine[2][0]), loss, 1e-6 * loss, what, on=on)
+    cases = [("one iteration, 50 points onto 81", source, target), _both_sides_of_a_wall(rng)]
+    answers = [f(source, target, None, 1, 0.0) for _, source, target in cases]
+    for (on, source, target), value in zip(cases, f.each(answers), strict=True):
+        mine = _result(value, 1, on)
+        distances = brute_force(target, source)
+        want = best_motion(target[distances.argmin(axis=1)], source)
+        _expect_pose(mine, want, source, target, 1e-6, on)
+        loss = float(np.sqrt((distances.min(axis=1) ** 2).mean()))
+        what = "The loss of the first iteration, the root mean square distance of the pairs before the step,"
+        expect.close(float(mine[2][0]), loss, 1e-6 * loss, what, on=on)
+
+
+def _both_sides_of_a_wall(rng: Rng) -> tuple[str, FloatArray, FloatArray]:
+    """Return two scans of a flat wall, each with the noise of the other turned round: a mirror fits best."""
+    x, y = (a.ravel() for a in np.meshgrid(*2 * [np.linspace(-1, 1, 9)]))
+    wall = np.column_stack([x, y, 0.01 * rng.normal(size=81)]) + 0.05 * rng.uniform(-1, 1, (81, 3)) * [
+        1,
+        1,
+        0,
+    ]
+    R, t = random_motion(rng, 2.0)
+    return "one iteration, two noisy scans of a wall", moved(wall * [1, 1, -1], R, t), moved(wall, R, t)
 
 
 @ICP.check("the pose of a scan is found, exactly without noise", points=2)
@@ -433,6 +446,20 @@ class _NeverStops(_Loop):
         return False
 
 
+class _Mirror(_Loop):
+    def minimise(self, p: FloatArray, q: FloatArray, n: FloatArray | None) -> Motion:
+        if n is not None:
+            return plane_motion(p, q, n)
+        U, _, Vt = np.linalg.svd((q - q.mean(axis=0)).T @ (p - p.mean(axis=0)))
+        R = (U @ Vt).T
+        return R, p.mean(axis=0) - R @ q.mean(axis=0)
+
+
+class _Linearised(_Loop):
+    def minimise(self, p: FloatArray, q: FloatArray, n: FloatArray | None) -> Motion:
+        return best_motion(p, q) if n is None else linearised_step(p, q, n)
+
+
 class _NoNormals(_Loop):
     def minimise(self, p: FloatArray, q: FloatArray, n: FloatArray | None) -> Motion:
         return best_motion(p, q)
@@ -527,6 +554,14 @@ ICP.mistake(
     "the tolerance was not used, and all iterations were made",
     hint="Compare the last two entries of the history. When may you stop?",
 )(_declare(_NeverStops))
+ICP.mistake(
+    "the sign of det(VUᵀ) was left out, and a nearly flat scan was mirrored",
+    hint="Scan a wall twice. What decides if the noise of the one lies before or behind that of the other?",
+)(_declare(_Mirror))
+ICP.mistake(
+    "the linearised matrix I + [r]× was used as the rotation of a step",
+    hint="Each step makes the source a little larger. Multiply your R by its transpose.",
+)(_declare(_Linearised))
 ICP.mistake(
     "the normals were not used",
     hint="Two scans of a wall never have the same points. What may a point do along the wall?",

@@ -372,8 +372,8 @@ def main() -> None:
             print(f"\n{size:,} points, {task}; answers agree\n{table(case, OURS)}", flush=True)
             peers = [result for result in case if not result.contender.startswith(OURS)]
             if peers:
-                best = min(peers, key=lambda result: result.cpu_median)
-                ratio = case[0].cpu_median / best.cpu_median
+                best = min(peers, key=lambda result: result.cpu_least)
+                ratio = case[0].cpu_least / best.cpu_least
                 print(f"processor time: {ratio:.2f} of that of the best peer, {best.contender}")
     if len(set(chosen.sizes)) > 1:
         print("\nour time grows with points to the power of")

@@ -5,12 +5,12 @@ from __future__ import annotations
 import hashlib
 import os
 import tarfile
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
+from platformdirs import user_cache_dir
 
 from gpcourse.errors import DataError
 from gpcourse.geometry.arrays import FloatArray, IntArray
@@ -86,15 +86,7 @@ def data_folder() -> Path:
     """Return the folder of the data sets, which need not exist: $GPCOURSE_DATA, or the user's cache."""
     if os.environ.get(FOLDER_VARIABLE):
         return Path(os.environ[FOLDER_VARIABLE]).expanduser()
-    return Path(_pooch().os_cache("gpcourse"))
-
-
-def _pooch() -> Any:
-    """Import pooch; the advice on progress bars that tqdm gives in a notebook is for nobody here."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        import pooch
-    return pooch
+    return Path(user_cache_dir("gpcourse"))
 
 
 def bunny_folder() -> Path | None:
@@ -251,9 +243,9 @@ def _sha256(content: bytes) -> str:
 
 def _download(url: str, target: Path) -> Path:
     """Bring `url` to `target` with pooch, going on where an earlier download broke off."""
+    import pooch
     import requests
 
-    pooch = _pooch()
     part = target.with_name(target.name + ".part")
     target.parent.mkdir(parents=True, exist_ok=True)
     pooch.get_logger().setLevel("WARNING")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gpcourse.exercises.judging import ask_here, judge
-from gpcourse.exercises.registration import EXERCISES, inputs, pictures, rigid, sampling, several
+from gpcourse.exercises.registration import EXERCISES, icp, inputs, pictures, rigid, sampling, several
 
 BY_NAME = {exercise.name: exercise for exercise in EXERCISES}
 
@@ -70,7 +70,19 @@ def test_every_point_of_the_walk_around_is_in_two_scans(seed):
     _, times = np.unique(placed.round(9), axis=0, return_counts=True)
     assert (times == 2).all()
     off = [inputs.angle_between(a[0], b[0]) for a, b in zip(poses, rough, strict=True)]
-    np.testing.assert_allclose(off, [0, 0.05, 0.05, 0.05], atol=1e-12)
+    np.testing.assert_allclose(off, [0, *3 * [several.START]], atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_what_belongs_together_is_within_reach_on_the_walk_around(seed):
+    scans, poses, rough = several._walk_around(np.random.default_rng(seed), 0.0, 0.0)
+    placed, begun = (
+        np.concatenate([inputs.moved(x, *pose) for x, pose in zip(scans, some, strict=True)])
+        for some in (poses, rough)
+    )
+    pairs = np.argsort(placed.round(9)[:, 2], kind="stable").reshape(-1, 2)  # no two heights are alike
+    assert np.linalg.norm(placed[pairs[:, 0]] - placed[pairs[:, 1]], axis=1).max() < 1e-9
+    assert np.linalg.norm(begun[pairs[:, 0]] - begun[pairs[:, 1]], axis=1).max() < several.REACH
 
 
 def _panels(name, solution):
@@ -121,3 +133,35 @@ def test_single_precision_is_near_enough_for_a_sample_and_a_mask_but_not_for_a_k
     claims = {r.check.claim: r.outcome for r in verdict.results}
     assert claims["a known motion is found, to 1e-12"] == "failed"
     assert claims["no other motion fits noisy pairs better"] == "passed"
+
+
+@pytest.mark.parametrize("motion", range(6))
+def test_a_sample_that_holds_one_motion_only_is_not_stable(motion):
+    def stable_sampling(points, normals, k):
+        return np.argsort(-sampling._holds(points, normals)[:, motion], kind="stable")[:k]
+
+    assert [
+        judge(BY_NAME["stable_sampling"], ask_here(stable_sampling), s).outcome for s in range(3)
+    ] == 3 * ["failed"]
+
+
+class _TrimmedOnce(icp._Loop):
+    def kept(self, distances, keep, max_distance):
+        if self.first is None:
+            self.first = distances <= np.quantile(distances, keep)
+        return self.first & (distances <= max_distance)
+
+
+class _LimitedOnce(icp._Loop):
+    def kept(self, distances, keep, max_distance):
+        if self.first is None:
+            self.first = distances <= max_distance
+        return self.first & (distances <= np.quantile(distances, keep))
+
+
+@pytest.mark.parametrize("loop", [_TrimmedOnce, _LimitedOnce])
+def test_an_icp_that_applies_one_rule_in_its_first_iteration_only_fails(loop):
+    def solution(*arguments):
+        return loop()(*arguments)
+
+    assert [judge(BY_NAME["icp"], ask_here(solution), s).outcome for s in range(2)] == ["failed", "failed"]

@@ -24,6 +24,11 @@ _WRONG = "215, 110, 20"
 PICTURE_DPI = 96
 
 
+def handed_out(verdict: Verdict) -> str:
+    """Return `as_html` without what gives the answers away."""
+    return as_html(verdict, answers=False)
+
+
 def as_html(verdict: Verdict, *, picture: bool = True, rerun: bool = False, answers: bool = True) -> str:
     """Return the feedback on one exercise as HTML, a single element.
 

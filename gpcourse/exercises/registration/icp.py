@@ -27,7 +27,7 @@ from gpcourse.exercises.registration.inputs import (
     random_waves,
     turn,
 )
-from gpcourse.exercises.registration.rigid import best_motion, plane_motion
+from gpcourse.exercises.registration.rigid import best_motion, linearised_step, plane_motion
 from gpcourse.geometry.arrays import FloatArray
 from gpcourse.reference import registration as reference
 
@@ -115,6 +115,12 @@ def _displaced(
     return moved(points, R, t), inverse(R, t)
 
 
+def _turned_and_lowered(rng: Rng, centre: FloatArray, angle: float, drop: FloatArray) -> Motion:
+    """Return a turn about `centre`, after which everything goes down by `drop`."""
+    R = random_turn(rng, angle)
+    return R, centre - R @ centre - drop
+
+
 def _scans(rng: Rng, n: int) -> tuple[FloatArray, FloatArray]:
     """Return a hilly cloud in some place, and its middle."""
     R, t = random_motion(rng, 2.0)
@@ -126,15 +132,28 @@ def _scans(rng: Rng, n: int) -> tuple[FloatArray, FloatArray]:
 def _(f: Asked, rng: Rng) -> None:
     target, middle = _scans(rng, 81)
     source, _ = _displaced(rng, target[rng.choice(81, 50, replace=False)], 0.2, 0.1, middle)
-    value = f(source, target, None, 1, 0.0)
-    on = "one iteration, 50 points onto 81"
-    mine = _result(value, 1, on)
-    distances = brute_force(target, source)
-    want = best_motion(target[distances.argmin(axis=1)], source)
-    _expect_pose(mine, want, source, target, 1e-6, on)
-    loss = float(np.sqrt((distances.min(axis=1) ** 2).mean()))
-    what = "The loss of the first iteration, the root mean square distance of the pairs before the step,"
-    expect.close(float(mine[2][0]), loss, 1e-6 * loss, what, on=on)
+    cases = [("one iteration, 50 points onto 81", source, target), _both_sides_of_a_wall(rng)]
+    answers = [f(source, target, None, 1, 0.0) for _, source, target in cases]
+    for (on, source, target), value in zip(cases, f.each(answers), strict=True):
+        mine = _result(value, 1, on)
+        distances = brute_force(target, source)
+        want = best_motion(target[distances.argmin(axis=1)], source)
+        _expect_pose(mine, want, source, target, 1e-6, on)
+        loss = float(np.sqrt((distances.min(axis=1) ** 2).mean()))
+        what = "The loss of the first iteration, the root mean square distance of the pairs before the step,"
+        expect.close(float(mine[2][0]), loss, 1e-6 * loss, what, on=on)
+
+
+def _both_sides_of_a_wall(rng: Rng) -> tuple[str, FloatArray, FloatArray]:
+    """Return two scans of a flat wall, each with the noise of the other turned round: a mirror fits best."""
+    x, y = (a.ravel() for a in np.meshgrid(*2 * [np.linspace(-1, 1, 9)]))
+    wall = np.column_stack([x, y, 0.01 * rng.normal(size=81)]) + 0.05 * rng.uniform(-1, 1, (81, 3)) * [
+        1,
+        1,
+        0,
+    ]
+    R, t = random_motion(rng, 2.0)
+    return "one iteration, two noisy scans of a wall", moved(wall * [1, 1, -1], R, t), moved(wall, R, t)
 
 
 @ICP.check("the pose of a scan is found, exactly without noise", points=2)
@@ -161,23 +180,32 @@ def _(f: Asked, rng: Rng) -> None:
         x = flat.points[:, 0]
         whole = flat.moved(R, t)
         target = whole.points[x < 0.55]
-        # From here other pairs are the closest ones at first than in the end.
-        source, want = _displaced(rng, whole.points[x > -0.75], 0.14, 0.07, whole.points.mean(axis=0))
+        want = inverse(*_turned_and_lowered(rng, whole.points.mean(axis=0), 0.12, 0.1 * R[:, 2]))
+        # Four stray points lie on the target at first, and are off it in the end: no pair is good for ever.
+        stray = moved(target[rng.permutation(len(target))], *want)
+        stray = stray[brute_force(target, stray).min(axis=1) > 0.05][:4]
+        source = moved(np.concatenate([whole.points[x > -0.75], stray]), *inverse(*want))
         cases.append((source, target, want, f(source, target, None, 35, 1e-12, 0.65)))
-    on = "two scans that overlap in three quarters, keep = 0.65"
+    on = "two scans that overlap in three quarters, with four stray points, keep = 0.65"
     for source, target, want, value in cases:
         _expect_pose(_result(value, 35, on), want, source, target, 1e-6, on)
 
 
 @ICP.check("outliers, rejected by distance")
 def _(f: Asked, rng: Rng) -> None:
-    target, middle = _scans(rng, 100)
+    R, t = random_motion(rng, 2.0)
+    target = landscape(rng, 100).moved(R, t).points
+    want = inverse(*_turned_and_lowered(rng, target.mean(axis=0), 0.08, 0.2 * R[:, 2]))
     chosen = target[rng.choice(100, 70, replace=False)]
     away = rng.normal(size=3)
-    chosen[:15] += (0.9 + rng.uniform(0, 1, size=(15, 1))) * away / np.linalg.norm(away)
-    far = brute_force(target, chosen).min(axis=1)
-    chosen = chosen[(far < 1e-9) | (far > 0.6)]
-    source, want = _displaced(rng, chosen, 0.08, 0.04, middle)
+    far = chosen[:11] + (0.9 + rng.uniform(0, 1, size=(11, 1))) * away / np.linalg.norm(away)
+    # At least 125 of these points (250 scans) are within 0.4 at first, and not in the end.
+    above = np.concatenate([target + height * R[:, 2] for height in np.arange(0.4, 0.9, 0.05)])
+    reach = brute_force(target, above).min(axis=1)
+    first = brute_force(target, moved(above, *inverse(*want))).min(axis=1)
+    near = rng.permutation(above[(reach > 0.45) & (reach < 0.6) & (first < 0.36)])[:4]
+    far = far[brute_force(target, far).min(axis=1) > 0.6]
+    source = moved(np.concatenate([chosen[11:], near, far]), *inverse(*want))
     value = f(source, target, None, 25, 1e-12, 1.0, 0.4)
     on = f"{len(source)} points with outliers, max_distance = 0.4"
     mine = _result(value, 25, on)
@@ -418,6 +446,20 @@ class _NeverStops(_Loop):
         return False
 
 
+class _Mirror(_Loop):
+    def minimise(self, p: FloatArray, q: FloatArray, n: FloatArray | None) -> Motion:
+        if n is not None:
+            return plane_motion(p, q, n)
+        U, _, Vt = np.linalg.svd((q - q.mean(axis=0)).T @ (p - p.mean(axis=0)))
+        R = (U @ Vt).T
+        return R, p.mean(axis=0) - R @ q.mean(axis=0)
+
+
+class _Linearised(_Loop):
+    def minimise(self, p: FloatArray, q: FloatArray, n: FloatArray | None) -> Motion:
+        return best_motion(p, q) if n is None else linearised_step(p, q, n)
+
+
 class _NoNormals(_Loop):
     def minimise(self, p: FloatArray, q: FloatArray, n: FloatArray | None) -> Motion:
         return best_motion(p, q)
@@ -447,6 +489,16 @@ class _OnlyBelow(_Loop):
 class _OwnThreshold(_Loop):
     def done(self, history: list[float], step: Motion, tolerance: float) -> bool:
         return len(history) > 1 and abs(history[-2] - history[-1]) < 1e-3
+
+
+class _RejectedOnce(_Loop):
+    def __call__(self, source: FloatArray, target: FloatArray, *options: Any) -> Any:
+        self.first = None
+        return super().__call__(source, target, *options)
+
+    def kept(self, distances: FloatArray, keep: float, max_distance: float) -> Any:
+        self.first = super().kept(distances, keep, max_distance) if self.first is None else self.first
+        return self.first
 
 
 class _MatchedOnce(_Loop):
@@ -503,6 +555,14 @@ ICP.mistake(
     hint="Compare the last two entries of the history. When may you stop?",
 )(_declare(_NeverStops))
 ICP.mistake(
+    "the sign of det(VUᵀ) was left out, and a nearly flat scan was mirrored",
+    hint="Scan a wall twice. What decides if the noise of the one lies before or behind that of the other?",
+)(_declare(_Mirror))
+ICP.mistake(
+    "the linearised matrix I + [r]× was used as the rotation of a step",
+    hint="Each step makes the source a little larger. Multiply your R by its transpose.",
+)(_declare(_Linearised))
+ICP.mistake(
     "the normals were not used",
     hint="Two scans of a wall never have the same points. What may a point do along the wall?",
 )(_declare(_NoNormals))
@@ -530,3 +590,7 @@ ICP.mistake(
     "the points were matched once, before the loop",
     hint="After the first step the source lies elsewhere. Are its nearest points still the same?",
 )(_declare(_MatchedOnce))
+ICP.mistake(
+    "the pairs were rejected once, in the first iteration",
+    hint="As the source moves, its pairs come closer or go apart. Are the bad ones still the same?",
+)(_declare(_RejectedOnce))

@@ -502,6 +502,13 @@ def plane_motion(p: FloatArray, q: FloatArray, n: FloatArray) -> Motion:
     return _exponential(solution[:3]), solution[3:]
 
 
+def linearised_step(p: FloatArray, q: FloatArray, n: FloatArray) -> Motion:
+    """Return the step as the six equations give it: I + [r]×, which is no rotation."""
+    solution = _linear(p, q, n)
+    x, y, z = solution[:3]
+    return np.eye(3) + np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]), solution[3:]
+
+
 @POINT_TO_PLANE_STEP.mistake(
     "the cross product is reversed",
     hint="(r × q)·n = r·(? × ?). The order decides the sign.",
@@ -525,9 +532,7 @@ def _(p: FloatArray, q: FloatArray, normals: FloatArray) -> Any:
     hint="Multiply your R by its transpose. By how much is it off when the turn is 30°?",
 )
 def _(p: FloatArray, q: FloatArray, normals: FloatArray) -> Any:
-    solution = _linear(p, q, normals)
-    x, y, z = solution[:3]
-    return np.eye(3) + np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]), solution[3:]
+    return linearised_step(p, q, normals)
 
 
 def _euler(r: FloatArray) -> list[FloatArray]:

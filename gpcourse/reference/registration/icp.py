@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from gpcourse.errors import GeometryError
-from gpcourse.geometry.arrays import BoolArray, FloatArray
-from gpcourse.reference.registration.inputs import as_cloud, as_count, as_distance, as_normals
+from gpcourse.geometry.arrays import FloatArray, IntArray
+from gpcourse.reference.registration.inputs import as_cloud, as_count, as_distance, as_fraction, as_normals
 from gpcourse.reference.registration.nearest import follower, matcher, morton_order, trim_pairs
 from gpcourse.reference.registration.rigid import point_to_plane_step, rigid_transform
 
@@ -66,32 +67,10 @@ def icp(  # noqa: PLR0917
     ----------
     Notes ch. 2, *Iterative Closest Points*.
     """
-    source, target = as_cloud(source, "source"), as_cloud(target, "target")
-    normals = None if normals is None else as_normals(normals, "normals", "target", len(target))
-    as_count(max_iterations, 10**9, "max_iterations")
-    as_distance(tolerance, "tolerance")
-    as_distance(max_distance)
-
-    source = source[morton_order(source)]  # the sums do not care about the order, the time does
-    # The tree is built once: the target does not move. With normals the source soon hardly does, either.
-    match = matcher(target) if normals is None else follower(target, len(source))
-    R, t = np.eye(3), np.zeros(3)
-    history: list[float] = []
-    for _ in range(max_iterations):
-        q = source @ R.T + t
-        distances, index = match(q)
-        kept = trim_pairs(distances, keep) & (distances <= max_distance)
-        _refuse_few(kept, max_distance)
-        p, q = target[index[kept]], q[kept]
-        if normals is None:
-            step, shift = rigid_transform(p, q)
-        else:
-            step, shift = point_to_plane_step(p, q, normals[index[kept]])
-        R, t = step @ R, step @ t + shift  # the new step comes after all earlier ones
-        history.append(float(np.sqrt((distances[kept] ** 2).mean())))
-        if history[-1] < tolerance or (len(history) > 1 and abs(history[-2] - history[-1]) < tolerance):
-            break
-    return R, t, history
+    source, target, normals = _as_clouds(source, target, normals)
+    rules = _Rules(max_iterations, tolerance, keep, max_distance)
+    # The sums do not care about the order of the points, the time does.
+    return _iterate(source.take(morton_order(source), axis=0), target, normals, rules)
 
 
 def icp_coarse_to_fine(  # noqa: PLR0917
@@ -115,11 +94,10 @@ def icp_coarse_to_fine(  # noqa: PLR0917
 
     All other parameters, and what is returned, are those of `icp`; the history is that of all rounds.
     """
-    source, target = as_cloud(source, "source"), as_cloud(target, "target")
+    source, target, normals = _as_clouds(source, target, normals)
     order = morton_order(target)
-    source, target = source[morton_order(source)], target[order]
-    if normals is not None:
-        normals = as_normals(normals, "normals", "target", len(target))[order]
+    source, target = source.take(morton_order(source), axis=0), target.take(order, axis=0)
+    normals = None if normals is None else normals.take(order, axis=0)
     R, t = np.eye(3), np.zeros(3)
     history: list[float] = []
     for stride in strides:
@@ -127,20 +105,77 @@ def icp_coarse_to_fine(  # noqa: PLR0917
         if stride > 1 and fewest < _FEWEST:
             continue
         # A sample moves with the choice of its points; to follow it more exactly than that is of no use.
-        enough = tolerance * stride
+        rules = _Rules(max_iterations, tolerance * stride, keep, max_distance)
         every = slice(None, None, stride)
         facing = None if normals is None else normals[every]
-        step, shift, losses = icp(
-            source[every] @ R.T + t, target[every], facing, max_iterations, enough, keep, max_distance
-        )
+        step, shift, losses = _iterate(source[every] @ R.T + t, target[every], facing, rules)
         R, t = step @ R, step @ t + shift
         history += losses
     return R, t, history
 
 
-def _refuse_few(kept: BoolArray, max_distance: float) -> None:
-    if np.count_nonzero(kept) < 3:
-        raise GeometryError(
-            f"{np.count_nonzero(kept)} of {len(kept)} pairs are kept, and a motion needs 3; "
-            f"give a max_distance above {max_distance:.4g}, a larger keep, or a better start"
-        )
+@dataclass(frozen=True)
+class _Rules:
+    """When to stop, and which pairs to keep."""
+
+    max_iterations: int
+    tolerance: float
+    keep: float
+    max_distance: float
+
+    def __post_init__(self) -> None:
+        as_count(self.max_iterations, 10**9, "max_iterations")
+        as_distance(self.tolerance, "tolerance")
+        as_fraction(self.keep)
+        as_distance(self.max_distance)
+
+    def good_pairs(self, distances: FloatArray) -> IntArray | None:
+        """Return the pairs to keep; None stands for all of them."""
+        if self.keep == 1 and self.max_distance == np.inf:
+            return None
+        good = np.flatnonzero(trim_pairs(distances, self.keep) & (distances <= self.max_distance))
+        if len(good) < 3:
+            raise GeometryError(
+                f"{len(good)} of {len(distances)} pairs are kept, and a motion needs 3; "
+                f"give a max_distance above {self.max_distance:.4g}, a larger keep, or a better start"
+            )
+        return good
+
+    def done(self, history: list[float]) -> bool:
+        """Tell whether the loss is small, or no longer changes."""
+        still = len(history) > 1 and abs(history[-2] - history[-1]) < self.tolerance
+        return history[-1] < self.tolerance or still
+
+
+def _iterate(
+    source: FloatArray, target: FloatArray, normals: FloatArray | None, rules: _Rules
+) -> tuple[FloatArray, FloatArray, list[float]]:
+    # The tree is built once: the target does not move. With normals the source soon hardly does, either.
+    match = matcher(target) if normals is None else follower(target, len(source))
+    R, t = np.eye(3), np.zeros(3)
+    history: list[float] = []
+    for _ in range(rules.max_iterations):
+        q = source @ R.T
+        q += t
+        distances, index = match(q)
+        good = rules.good_pairs(distances)
+        if good is not None:
+            distances, index, q = distances[good], index[good], q.take(good, axis=0)
+        p = target.take(index, axis=0)
+        if normals is None:
+            step, shift = rigid_transform(p, q)
+        else:
+            step, shift = point_to_plane_step(p, q, normals.take(index, axis=0))
+        R, t = step @ R, step @ t + shift  # the new step comes after all earlier ones
+        history.append(float(np.sqrt((distances**2).mean())))
+        if rules.done(history):
+            break
+    return R, t, history
+
+
+def _as_clouds(
+    source: object, target: object, normals: object
+) -> tuple[FloatArray, FloatArray, FloatArray | None]:
+    clouds = as_cloud(source, "source"), as_cloud(target, "target")
+    facing = None if normals is None else as_normals(normals, "normals", "target", len(clouds[1]))
+    return *clouds, facing

@@ -27,7 +27,7 @@ def as_rows(value: object, name: str, beside: str, count: int) -> FloatArray:
 def as_normals(value: object, name: str, beside: str, count: int) -> FloatArray:
     """Return `value` as (count, 3) unit vectors."""
     normals = as_rows(value, name, beside, count)
-    length = np.sqrt(np.einsum("ij,ij->i", normals, normals))
+    length = np.sqrt((normals * normals) @ np.ones(3))
     long = np.flatnonzero(np.abs(length - 1) > 1e-3)  # what is left of a unit vector in a text file
     if len(long):
         i = int(long[0])

@@ -195,12 +195,13 @@ def follower(points: FloatArray, count: int) -> Match:
     slack = np.full(count, -1.0)
 
     def match(queries: FloatArray) -> tuple[FloatArray, IntArray]:
-        again = np.flatnonzero(_lengths(queries - searched_at) >= slack)
+        again = np.flatnonzero(_apart(queries, searched_at) >= slack)
         if len(again):
-            searched_at[again] = queries[again]
-            distances, found = find(queries[again])
+            moved = queries.take(again, axis=0)  # several times faster than queries[again]
+            distances, found = find(moved)
+            searched_at[again] = moved
             index[again], slack[again] = found[:, 0], (distances[:, 1] - distances[:, 0]) / 2
-        return _lengths(queries - points[index]), index.copy()
+        return _apart(queries, points.take(index, axis=0)), index.copy()
 
     return match
 
@@ -210,13 +211,15 @@ def _finder(points: FloatArray, k: int) -> Callable[[FloatArray], Any]:
     from scipy.spatial import cKDTree
 
     # Cutting boxes in the middle is several times faster than at the median, and the queries hardly notice.
-    tree = cKDTree(points, balanced_tree=False, compact_nodes=False)
+    # They take a fifth less time with leaves of 32 points than with 10, in boxes that fit their points.
+    tree = cKDTree(points, leafsize=32, balanced_tree=False)
     # To start threads takes as long as a search for some thousand points.
     return lambda queries: tree.query(queries, k=k, workers=-1 if len(queries) > _FOR_THREADS else 1)
 
 
-def _lengths(vectors: FloatArray) -> FloatArray:
-    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
+def _apart(p: FloatArray, q: FloatArray) -> FloatArray:
+    squares = (p - q) ** 2
+    return np.asarray(np.sqrt(squares @ np.ones(3)))  # which NumPy does faster than to sum rows of three
 
 
 def morton_order(points: FloatArray) -> IntArray:
@@ -230,15 +233,18 @@ def morton_order(points: FloatArray) -> IntArray:
     (n,) int array
         A permutation of the rows.
     """
-    corner = points.min(axis=0)
-    size = float((points.max(axis=0) - corner).max()) or 1.0
-    cell = ((points - corner) * (1023.99 / size)).astype(np.int64)  # 10 bits for each axis
+    axes = np.ascontiguousarray(points.T)
+    corner = axes.min(axis=1, keepdims=True)
+    size = float((axes.max(axis=1, keepdims=True) - corner).max()) or 1.0
+    cells = ((axes - corner) * (1023.99 / size)).astype(np.int64)  # 10 bits for each axis
     # Spread the bits of each coordinate to every third place, then lay the three between each other.
+    spread = np.arange(1024)
     for shift, mask in ((16, 0xFF0000FF), (8, 0x0300F00F), (4, 0x030C30C3), (2, 0x09249249)):
-        cell = (cell | (cell << shift)) & mask
-    key = cell[:, 0] | (cell[:, 1] << 1) | (cell[:, 2] << 2)
+        spread = (spread | (spread << shift)) & mask
+    x, y, z = spread.take(cells)
     # Key and row in one integer: sorting integers is faster than sorting rows by their keys.
-    return np.asarray(np.sort((key << 32) | np.arange(len(points))) & 0xFFFFFFFF)
+    key = (x | (y << 1) | (z << 2)) << 32
+    return np.asarray(np.sort(key | np.arange(len(points))) & 0xFFFFFFFF)
 
 
 def reject_pairs(  # noqa: PLR0917

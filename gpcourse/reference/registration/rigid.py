@@ -11,6 +11,9 @@ from gpcourse.reference.registration.inputs import as_cloud, as_normals, as_rows
 #: A motion that was not asked for by any pair is left at zero: below this part of the largest eigenvalue.
 _UNDECIDED = 1e-10
 
+#: So many points at a time stay in the processor's cache.
+_BLOCK = 2048
+
 
 def rigid_transform(
     p: FloatArray, q: FloatArray, weights: FloatArray | None = None
@@ -47,11 +50,19 @@ def rigid_transform(
     q = as_rows(q, "q", "p", len(p))
     w = _normalised(weights, len(p))
     p_mean, q_mean = w @ p, w @ q
-    U, _, Vt = np.linalg.svd((q - q_mean).T @ (w[:, None] * (p - p_mean)))
+    x, y = _by_axis(p), _by_axis(q)
+    x -= p_mean[:, None]
+    y -= q_mean[:, None]
+    U, _, Vt = np.linalg.svd((w * y) @ x.T)
     # Without this sign the best orthogonal matrix may be a mirror, as for noisy points near a plane.
     sign = np.sign(np.linalg.det(U) * np.linalg.det(Vt))
     R = Vt.T @ np.diag([1.0, 1.0, sign]) @ U.T
     return R, p_mean - R @ q_mean
+
+
+def _by_axis(points: FloatArray) -> FloatArray:
+    # A row for each axis: NumPy is slow where rows are as short as those of points.
+    return np.array(points.T, order="C")
 
 
 def _normalised(weights: FloatArray | None, n: int) -> FloatArray:
@@ -124,14 +135,21 @@ def point_to_plane_step(p: FloatArray, q: FloatArray, normals: FloatArray) -> tu
     """
     p = as_cloud(p, "p")
     q = as_rows(q, "q", "p", len(p))
-    n = as_normals(normals, "normals", "p", len(p))
+    normals = as_normals(normals, "normals", "p", len(p))
     # Turning about the centroid, in its own length unit, keeps the six equations well conditioned.
-    centre = q.mean(axis=0)
-    size = np.sqrt(((q - centre) ** 2).sum(axis=1).mean()) or 1.0
-    x = (q - centre) / size
-    # (r × x)·n = r·(x × n): the row of a pair is [x × n, n].
-    A = np.column_stack([np.cross(x, n), n])
-    b = np.einsum("ij,ij->i", p - q, n) / size
-    motion = np.linalg.lstsq(A.T @ A, A.T @ b, rcond=_UNDECIDED)[0]
+    centre = np.full(len(q), 1 / len(q)) @ q
+    H, g, square = np.zeros((6, 6)), np.zeros(6), 0.0
+    for start in range(0, len(q), _BLOCK):
+        some = slice(start, start + _BLOCK)
+        x, n = _by_axis(q[some] - centre), _by_axis(normals[some])
+        # (r × x)·n = r·(x × n): the column of a pair is [x × n, n].
+        turning = [x[j] * n[k] - x[k] * n[j] for j, k in ((1, 2), (2, 0), (0, 1))]
+        A = np.array([*turning, *n])
+        H += A @ A.T
+        g += A @ (_by_axis(p[some] - q[some]) * n).sum(axis=0)
+        square += (x * x).sum()
+    size = float(np.sqrt(square / len(q))) or 1.0
+    unit = np.array(3 * [1 / size] + 3 * [1.0])
+    motion = np.linalg.lstsq(unit[:, None] * H * unit, unit * g / size, rcond=_UNDECIDED)[0]
     R = rotation_of(motion[:3])
     return R, centre + size * motion[3:] - R @ centre

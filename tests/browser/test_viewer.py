@@ -69,6 +69,16 @@ def test_a_mesh_is_drawn_and_covers_a_fair_part(opened):
     assert 0.3 < covered(pixels(page)) < 0.95
 
 
+def test_neither_place_nor_size_of_a_mesh_matter(opened):
+    """A graphics card has numbers of 32 bits."""
+    torus, found = shapes.torus(40, 30), []
+    for changed in (torus.vertices, 3e7 + torus.vertices, 1e-11 * torus.vertices, 1e14 * torus.vertices):
+        page, _ = opened(view.mesh((changed, torus.faces)))
+        found.append(pixels(page))
+    for image in found[1:]:
+        assert np.abs(image - found[0]).mean() < 0.5
+
+
 def test_the_vertex_under_the_pointer_is_said_with_its_value(opened):
     page, frame = opened(view.mesh(SQUARE, [1.5, -2.25, 3.0, 0.125], value_name="u", direction=(0, 0, 1)))
     picture = frame.get_by_role("img")  # for whoever does not see it

@@ -243,9 +243,8 @@ def _sha256(content: bytes) -> str:
 
 def _download(url: str, target: Path) -> Path:
     """Bring `url` to `target` with pooch, going on where an earlier download broke off."""
-    import requests
-
     import pooch
+    import requests
 
     part = target.with_name(target.name + ".part")
     target.parent.mkdir(parents=True, exist_ok=True)

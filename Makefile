@@ -29,8 +29,6 @@ lab: $(READY) ## set up, then open the course in JupyterLab
 
 # Two workers on two cores: more threads in BLAS would only wait for each other.
 nbval pytest: export OPENBLAS_NUM_THREADS = 1
-# Pictures that do not turn are made more quickly; the browser tests look at those that do.
-nbval: export GPCOURSE_STATIC = 1
 
 test: lint nbval pytest ## set up, then run all that CI runs
 

@@ -3,8 +3,10 @@
 A torus coloured by height. Each library makes a page that is to need no network: k3d's full snapshot,
 plotly with its program inside, pyvista's HTML export. A page is opened in Chromium without a network and
 with software rendering; the clock runs until a picture of the window shows the colours, and taking such a
-picture takes a tenth of a second itself. Of ours the size and the making are those of a notebook's output,
-with the still image; what is opened is the page alone, so that the still image is not taken for a drawing.
+picture takes a tenth of a second itself. Making is measured in processor time. Of ours the size and the
+making are those of a notebook's output, with the still image; what is opened is the page alone, so that
+the still image is not taken for a drawing. The least of several rounds is reported, which other programs
+disturb least.
 """
 
 from __future__ import annotations
@@ -12,7 +14,6 @@ from __future__ import annotations
 import argparse
 import json
 import shutil
-import statistics
 import tempfile
 import time
 from collections.abc import Callable
@@ -42,7 +43,10 @@ Maker = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[str, ...]]
 
 @dataclass(frozen=True)
 class Shown:
-    """What one library took for one size. Sizes in bytes, times in seconds, None where nothing was drawn."""
+    """What one library took for one size, at its best: bytes, seconds of the processor, seconds on the clock.
+
+    `first_picture` is None where nothing was drawn.
+    """
 
     faces: int
     contender: str
@@ -164,9 +168,8 @@ def measure(sizes: list[int], repeat: int) -> list[Shown]:
                     rounds[name].append((len((*output, page)[0].encode()), making, shown))
             for name, taken in rounds.items():
                 sizes_seen, makings, pictures = zip(*taken, strict=True)
-                drawn = [seconds for seconds in pictures if seconds is not None]
-                middle = statistics.median(drawn) if drawn else None
-                results.append(Shown(len(mesh[1]), name, sizes_seen[0], statistics.median(makings), middle))
+                drawn = min((seconds for seconds in pictures if seconds is not None), default=None)
+                results.append(Shown(len(mesh[1]), name, sizes_seen[0], min(makings), drawn))
         browser.close()
     return results
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
+from platformdirs import user_cache_dir
 
 from gpcourse.errors import DataError
 from gpcourse.geometry.arrays import FloatArray, IntArray
@@ -85,9 +86,7 @@ def data_folder() -> Path:
     """Return the folder of the data sets, which need not exist: $GPCOURSE_DATA, or the user's cache."""
     if os.environ.get(FOLDER_VARIABLE):
         return Path(os.environ[FOLDER_VARIABLE]).expanduser()
-    import pooch
-
-    return Path(pooch.os_cache("gpcourse"))
+    return Path(user_cache_dir("gpcourse"))
 
 
 def bunny_folder() -> Path | None:

@@ -15,6 +15,7 @@ The tree::
     │   ├── OffFormatError                    the text is not an OFF file
     │   ├── ObjFormatError                    the text is not an OBJ file
     │   └── PlyFormatError                    the file is not a PLY file, or it is damaged
+    ├── PictureError (also a ValueError)      a setting that is none, a file that cannot be written
     ├── DataError                             data made by others is not here, or damaged
     ├── ExerciseError                         no such exercise, or one that is declared badly
     ├── NotebookError                         a notebook that cannot be read or filled in
@@ -84,6 +85,10 @@ class ObjFormatError(GeometryError):
 
 class PlyFormatError(GeometryError):
     """A file that is not a PLY file, or is damaged."""
+
+
+class PictureError(GpcourseError, ValueError):
+    """A picture was asked for with a setting that it does not have, or cannot be written to a file."""
 
 
 class DataError(GpcourseError):

@@ -212,6 +212,7 @@ def test_grade_refuses_where_it_cannot_confine(submissions, tmp_path, monkeypatc
     confine = import_module("gpcourse.sandbox.confine")
     unconfined = import_module("gpcourse.sandbox.lockdown").Confinement("limits", ("seccomp: none here",))
     monkeypatch.setattr(confine, "level_here", lambda: unconfined)
+    monkeypatch.setattr(import_module("gpcourse.grading.crews").Here, "confinement", lambda _: unconfined)
     result = run("grade", submissions, "--out", tmp_path / "grades")
     assert result.exit_code == 2
     assert "seccomp: none here" in result.output

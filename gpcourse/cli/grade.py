@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Draws the inputs.")
 @click.option("--chapter", "chapters", multiple=True, help="Grade this chapter only, as 1 or halfedge.")
 @click.option("--jobs", type=click.IntRange(min=1), help="Submissions at a time; by default one a core.")
+@click.option("--scheduler", metavar="ADDRESS", help="Mark on a Dask cluster, as tcp://10.0.0.5:8786.")
 @click.option("--allow-unconfined", is_flag=True, help="Grade work you trust where it cannot be confined.")
 @click.option("--junit", is_flag=True, help="Also write junit.xml, for CI.")
 @click.option(
@@ -43,6 +44,7 @@ def grade(
     seed: int,
     chapters: tuple[str, ...],
     jobs: int | None,
+    scheduler: str | None,
     allow_unconfined: bool,
     junit: bool,
     target: Target | None,
@@ -81,6 +83,7 @@ def grade(
                 seed=seed,
                 chapters=chapters or None,
                 jobs=jobs,
+                scheduler=scheduler,
                 allow_unconfined=allow_unconfined,
                 junit=junit,
                 progress=lambda done, total, _: bar.update(task, completed=done, total=total),

@@ -168,12 +168,9 @@ class Rows:
     def _panel(self, row: FloatArray, shown: IntArray, i: int, j: int, title: str) -> Panel:
         towards = normal_at(self.vertices, self.faces, self.vertices[i])
         surface = mesh_scene((self.vertices, self.faces), direction=towards).panels[0]
-        reach = float(np.linalg.norm(self.vertices[shown] - self.vertices[i], axis=1).max())
-        near = (
-            replace(surface.camera, focus=tuple(self.vertices[i]), radius=1.25 * reach)
-            if reach
-            else surface.camera
-        )
+        middle = (self.vertices[shown].min(axis=0) + self.vertices[shown].max(axis=0)) / 2
+        reach = float(np.linalg.norm(self.vertices[shown] - middle, axis=1).max())
+        near = replace(surface.camera, focus=tuple(middle), radius=1.25 * reach) if reach else surface.camera
         colours = tuple(WRONG if v == j else "black" for v in shown)
         texts = tuple(f"{row[v]:.3g}".replace("-", "−") for v in shown)
         numbers = Labels(self.vertices[shown], texts, colours, place="badge", size=7.5, hidden="show")
@@ -266,13 +263,18 @@ class Modes:
 
     def scene(self, yours: FloatArray, truth: FloatArray, worst: tuple[int, ...], answers: bool) -> Scene:
         a, b = self.functions[:, worst[0]], self.functions[:, worst[1]]
-        shown = [(f"your mode {worst[0]}", a), (f"your mode {worst[1]}", b)][: 1 + (worst[0] != worst[1])]
+        shown = [(f"your mode {worst[0]}", "φ", a), (f"your mode {worst[1]}", "φ", b)][
+            : 1 + (worst[0] != worst[1])
+        ]
         product = f"their product times the area; its sum is {yours[worst]:.3g}"
         if worst[0] == worst[1]:
             product = product.replace("their product", "its square")
+        shown.append((f"{product}, should be {truth[worst]:g}", "product × area", self.areas * a * b))
         scenes = [
-            mesh_scene((self.vertices, self.faces), values, title=title, values_on="vertices")
-            for title, values in [*shown, (f"{product}, should be {truth[worst]:g}", self.areas * a * b)]
+            mesh_scene(
+                (self.vertices, self.faces), values, title=title, value_name=name, values_on="vertices"
+            )
+            for title, name, values in shown
         ]
         return side_by_side(scenes, shared_scale=False)
 

@@ -25,8 +25,8 @@ _PACKAGE = Path(__file__).resolve().parent.parent
 #: What grading needs: the packages of pyproject.toml, but for those of a notebook. A list of its own, since
 #: what an installation in place says of itself may be old.
 NEEDED = (
-    "numpy", "scipy", "matplotlib", "scikit-image", "jinja2", "click", "rich", "pooch", "requests",
-    "filelock",
+    "numpy", "scipy", "matplotlib", "scikit-image", "jinja2", "click", "rich", "pooch", "platformdirs",
+    "requests", "filelock",
 )  # fmt: skip
 NOT_NEEDED = ("jupyterlab", "nbformat", "jsonschema")
 #: The same files give the same zip file.

@@ -47,11 +47,11 @@ def digest_of(submission: Submission) -> str:
 def conditions(exercises: Sequence[Exercise], seed: int, limits: Limits) -> dict[str, Any]:
     """Return all that decides the grades besides the notebooks."""
     names = [exercise.name for exercise in exercises]
-    return {"course": _course(), "exercises": names, "seed": seed, "limits": asdict(limits)}
+    return {"course": course_digest(), "exercises": names, "seed": seed, "limits": asdict(limits)}
 
 
 @cache
-def _course() -> str:
+def course_digest() -> str:
     """Return a digest of this installation: every file of gpcourse, Python, and what checks compute with."""
     files = (p for p in sorted(_PACKAGE.rglob("*")) if p.suffix in (".py", ".html", ".css", ".js"))
     texts = [(str(p.relative_to(_PACKAGE)), blake2b(p.read_bytes()).digest()) for p in files]

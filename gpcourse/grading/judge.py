@@ -144,7 +144,7 @@ class _Room:
         if not self.notebook.readable:
             return Survey()
         with suppress(WorkerError):
-            return self.worker.survey()
+            return self.worker.survey(self.asked)
         return Survey()
 
     def judge(self, exercise: Exercise, judge: Judge) -> Judged:

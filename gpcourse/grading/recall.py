@@ -17,6 +17,7 @@ from typing import Any
 
 from gpcourse.errors import WireError, WorkerError
 from gpcourse.exercises.exercise import Check, Exercise
+from gpcourse.exercises.feedback import handed_out
 from gpcourse.exercises.judging import (
     IMPATIENT,
     Asked,
@@ -94,6 +95,17 @@ class Recall:
             size += talk.size
         return self._conclude(exercise, results, ends, size)
 
+    def feedback(self, verdict: Verdict) -> str:
+        """Write the feedback that is handed out, once for all who answered the same."""
+        # Under its place in memory, which is another verdict's once this one is forgotten.
+        known, html = self.memory.get(id(verdict)) or (None, "")
+        if known is not verdict:
+            return handed_out(verdict)
+        if not html:
+            html = handed_out(verdict)
+            self.memory.put(id(verdict), (verdict, html), len(html))
+        return str(html)
+
     def _conclude(
         self, exercise: Exercise, results: list[CheckResult], ends: list[bytes], size: int
     ) -> Verdict:
@@ -104,6 +116,7 @@ class Recall:
         verdict = conclude(exercise, results, Recollected(exercise, self))
         if all(ends) and verdict.outcome != "grader fault":
             self.memory.put(key, verdict, size)
+            self.memory.put(id(verdict), (verdict, ""), 0)
         return verdict
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import statistics
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from gpcourse.exercises import feedback
 from gpcourse.exercises.course import Chapter
 from gpcourse.exercises.exercise import Exercise
-from gpcourse.exercises.judging import Outcome
+from gpcourse.exercises.judging import Outcome, Verdict
 from gpcourse.grading import gradebook
 from gpcourse.grading.judge import Judged, Report
 
@@ -35,6 +35,8 @@ SIGNS: dict[Outcome, tuple[str, str]] = {
 _BINS = 10
 #: Characters of a text on a page.
 _LONGEST = 6000
+#: Characters of a line of code on a page.
+_LINE = 400
 
 
 @dataclass(frozen=True)
@@ -76,8 +78,13 @@ def title_of(chapters: Sequence[Chapter]) -> str:
     return ", ".join(chapter.title for chapter in chapters)
 
 
-def student_page(report: Report, chapters: Sequence[Chapter], seed: int) -> str:
-    """Write the page of one student, with the feedback on every exercise."""
+def student_page(
+    report: Report,
+    chapters: Sequence[Chapter],
+    seed: int,
+    written: Callable[[Verdict], str] = feedback.handed_out,
+) -> str:
+    """Write the page of one student, with the feedback on every exercise; `written` writes that."""
     from markupsafe import Markup
 
     panels = [
@@ -86,8 +93,7 @@ def student_page(report: Report, chapters: Sequence[Chapter], seed: int) -> str:
             "name": judged.verdict.exercise.name,
             "summary": judged.verdict.exercise.summary.replace("`", ""),
             "outcome": judged.verdict.outcome,
-            # as_html escapes what comes from a student
-            "html": Markup(feedback.as_html(judged.verdict, answers=False)) if judged.verdict.results else "",
+            "html": Markup(written(judged.verdict)) if judged.verdict.results else "",
             "notes": [feedback.without_paths(text) for text in judged.notes],
             "missing": judged.missing,
         }
@@ -146,11 +152,19 @@ def class_page(
 
 
 def similarity_page(
-    pairs: Sequence[Any], sides: Sequence[list[list[tuple[str, bool]]]], count: int, threshold: float
+    pairs: Sequence[Any],
+    sides: Sequence[list[list[tuple[str, bool]]]],
+    count: int,
+    threshold: float,
+    more: int = 0,
 ) -> str:
     """Write the page on shared code: `sides` are the lines of both texts, and which of them are shared."""
-    rows = [{"pair": pair, "sides": texts} for pair, texts in zip(pairs, sides, strict=True)]
-    return _render("similarity.html", pairs=rows, count=count, threshold=threshold)
+    from markupsafe import escape
+
+    # Escaped here, where a line keeps its indentation.
+    escaped = [[[(escape(line[:_LINE]), mark) for line, mark in side] for side in two] for two in sides]
+    rows = [{"pair": pair, "sides": two} for pair, two in zip(pairs, escaped, strict=True)]
+    return _render("similarity.html", pairs=rows, count=count, threshold=threshold, more=more)
 
 
 def _needs_a_person(report: Report) -> bool:

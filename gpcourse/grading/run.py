@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 import os
-import tempfile
-import threading
-from collections.abc import Callable, Generator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
-from contextlib import ExitStack, closing
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from gpcourse.errors import UsageError, WorkerError
+from gpcourse.errors import UsageError
 from gpcourse.exercises.course import CHAPTERS, Chapter
 from gpcourse.exercises.exercise import Exercise
 from gpcourse.grading import gradebook, reports
-from gpcourse.grading.journal import Journal, conditions, files_of, locked, without_answers, writing
-from gpcourse.grading.judge import OpenWorker, Report, judge_submission
+from gpcourse.grading.cluster import Cluster
+from gpcourse.grading.crews import Here, Marks
+from gpcourse.grading.journal import Journal, conditions, course_digest, files_of, locked, writing
+from gpcourse.grading.judge import Report
 from gpcourse.grading.junit import junit as junit_xml
-from gpcourse.grading.recall import CAPACITY, Recall
+from gpcourse.grading.marking import Task
 from gpcourse.grading.submission import Notebook, Owner, Submission, read_class
-from gpcourse.sandbox import confine, home
-from gpcourse.sandbox.line import Line
-from gpcourse.sandbox.lockdown import Level
-from gpcourse.sandbox.proxy import Worker
+from gpcourse.sandbox import confine
+from gpcourse.sandbox.lockdown import Confinement, Level
 
 #: ``progress(done, total, student)`` is called after each submission, in no fixed order.
 Progress = Callable[[int, int, str], object]
@@ -81,6 +78,7 @@ def grade(
     limits: confine.Limits | None = None,
     allow_unconfined: bool = False,
     junit: bool = False,
+    scheduler: str | None = None,
     progress: Progress | None = None,
 ) -> GradeBook:
     """Grade the submissions in `folder` and write the grade book into `out`.
@@ -103,7 +101,9 @@ def grade(
     chapters : sequence of str, optional
         Numbers or stems ("1", "halfedge"); by default those of which a submission has a function.
     jobs : int, optional
-        Submissions at a time; by default the number of cores.
+        Submissions at a time on this machine; by default the number of cores. For more than
+        `crews.THREADS` of a large class processes are started: a script then needs the usual guard,
+        ``if __name__ == "__main__":``.
     limits : Limits, optional
         What a notebook may use.
     allow_unconfined : bool
@@ -111,6 +111,8 @@ def grade(
         that you trust.
     junit : bool
         Write ``junit.xml`` too.
+    scheduler : str, optional
+        The address of a Dask scheduler whose workers do the marking, as ``tcp://10.0.0.5:8786``.
     progress : callable, optional
         Called as ``progress(done, total, student)`` after each submission, and first with no student if an
         earlier run had graded some.
@@ -119,7 +121,7 @@ def grade(
     ------
     UsageError
         If there are no submissions, another argument cannot be used, this machine cannot confine, another
-        run is grading into `out`, or the disk is full.
+        run is grading into `out`, the disk is full, or the scheduler is gone.
     WorkerError
         If no process can be started.
     """
@@ -133,29 +135,13 @@ def grade(
         if chapters
         else chapters_in([n for s in submissions for n in s.notebooks]) or CHAPTERS
     )
-    exercises = tuple(exercise for chapter in chosen for exercise in chapter.exercises)
-    limits = _confined(limits or confine.Limits(), allow_unconfined)
-    run = _Run(
-        submissions,
-        chosen,
-        exercises,
-        seed,
-        out,
-        limits,
-        jobs or os.cpu_count() or 1,
-        progress or (lambda *_: None),
-    )
-    with locked(out):
-        return run.finish(junit=junit)
-
-
-@dataclass(frozen=True)
-class _Graded:
-    """A report without its questions and answers, the student's page, and what Gradescope gets."""
-
-    report: Report
-    page: str
-    results: str
+    limits = limits or confine.Limits()
+    fonts = any("matplotlib" in text for s in submissions for n in s.notebooks for _, text in n.cells)
+    with Cluster(scheduler) if scheduler else Here(jobs or os.cpu_count() or 1, fonts=fonts) as crew:
+        limits = _confined(limits, crew.confinement(), allow_unconfined)
+        task = Task(tuple(c.stem for c in chosen), seed, limits, fonts, course=course_digest())
+        with locked(out):
+            return _Run(submissions, task, out, crew.mark, progress or (lambda *_: None)).finish(junit=junit)
 
 
 @dataclass
@@ -163,37 +149,34 @@ class _Run:
     """One run over a class, within the lock on its folder."""
 
     submissions: Sequence[Submission]
-    chapters: tuple[Chapter, ...]
-    exercises: tuple[Exercise, ...]
-    seed: int
+    task: Task
     out: Path
-    limits: confine.Limits
-    jobs: int
+    mark: Callable[[Task, Sequence[Submission]], Marks]
     progress: Progress
 
     def __post_init__(self) -> None:
         self.stems = gradebook.file_names(s.student for s in self.submissions)
+        self.exercises = self.task.exercises
         self.done: dict[str, Report] = {}
-        self._own = threading.local()
-        self._drawing = threading.Lock()
 
     def finish(self, *, junit: bool) -> GradeBook:
         """Grade what is not done yet, and write the grade book."""
-        with Journal(self.out, conditions(self.exercises, self.seed, self.limits)) as journal:
+        with Journal(self.out, conditions(self.exercises, self.task.seed, self.task.limits)) as journal:
             for submission in self.submissions:
                 if report := journal.recall(submission, self.stems[submission.student], self.exercises):
                     self.done[submission.student] = report
             resumed = len(self.done)
             if resumed:
                 self.progress(resumed, len(self.submissions), "")
-            self._grade([s for s in self.submissions if s.student not in self.done], journal)
+            if left := [s for s in self.submissions if s.student not in self.done]:
+                self._grade(left, journal)
         with writing(self.out):
             return self._write_book(resumed, junit=junit)
 
     def _grade(self, left: Sequence[Submission], journal: Journal) -> None:
         by_name = {submission.student: submission for submission in left}
-        with closing(self._judge_all(left)) as judged:
-            for each in judged:
+        with closing(self.mark(self.task, left)) as marked:
+            for each in marked:
                 stem = self.stems[each.report.student]
                 with writing(self.out):
                     for path, text in zip(files_of(self.out, stem), (each.page, each.results), strict=True):
@@ -202,66 +185,15 @@ class _Run:
                 self.done[each.report.student] = each.report
                 self.progress(len(self.done), len(self.submissions), each.report.student)
 
-    def _graded(self, submission: Submission, open_worker: OpenWorker) -> _Graded:
-        if not hasattr(self._own, "recall"):  # a memory is not made for two threads at a time
-            self._own.recall = Recall(self.seed, CAPACITY // self.jobs)
-        judge = self._own.recall.judge
-        report = judge_submission(submission, self.exercises, self.seed, open_worker, judge)
-        report = replace(report, confinement=self.limits.least)
-        with self._drawing:  # nor is Matplotlib
-            page = reports.student_page(report, self.chapters, self.seed)
-        return _Graded(without_answers(report), page, gradebook.gradescope(report))
-
-    def _judge_all(self, left: Sequence[Submission]) -> Generator[_Graded, None, None]:
-        """Yield the reports as they are done. Most of the work is in the workers, so threads are enough."""
-        if not left:
-            return
-        fonts = any("matplotlib" in text for s in left for n in s.notebooks for _, text in n.cells)
-        stopped = threading.Event()
-        lines: set[Line] = set()
-
-        def start(package: Path, limits: confine.Limits) -> Line:
-            lines.difference_update([line for line in tuple(lines) if line.closed])
-            line = launch(package, limits)
-            lines.add(line)
-            if stopped.is_set():  # asked after it is among them, so that no process is overlooked
-                line.close()
-                raise WorkerError("grading was interrupted")
-            return line
-
-        with (
-            tempfile.TemporaryDirectory(prefix="gpcourse-", ignore_cleanup_errors=True) as root,
-            ExitStack() as opened,
-        ):
-            package = home.build(Path(root) / "home", fonts=fonts)
-            launch = opened.enter_context(confine.launcher(package, ("matplotlib.pyplot",) if fonts else ()))
-
-            def graded(submission: Submission) -> _Graded:
-                return self._graded(
-                    submission, lambda notebook: Worker(list(notebook.cells), package, self.limits, start)
-                )
-
-            with ThreadPoolExecutor(self.jobs) as pool:
-                try:
-                    # No list of them is kept: one that was read is let go, and so is what it holds.
-                    for future in as_completed([pool.submit(graded, s) for s in left]):
-                        yield future.result()
-                except BaseException:
-                    stopped.set()  # Ctrl-C: what is being asked now is not waited for, nor asked again
-                    for line in tuple(lines):
-                        line.kill()
-                    pool.shutdown(wait=False, cancel_futures=True)
-                    raise
-
     def _write_book(self, resumed: int, *, junit: bool) -> GradeBook:
         everyone = tuple(self.done[s.student] for s in self.submissions)
         book = GradeBook(
             everyone,
-            self.chapters,
+            self.task.chapters,
             self.exercises,
-            self.seed,
+            self.task.seed,
             self.out,
-            self.limits.least,
+            self.task.limits.least,
             resumed,
             {s.student: s.owner for s in self.submissions},
             {s.student: s.timestamp for s in self.submissions},
@@ -270,21 +202,20 @@ class _Run:
         gradebook.write(self.out / "times.csv", gradebook.times_csv(everyone, self.exercises))
         if junit:
             gradebook.write(self.out / "junit.xml", junit_xml(everyone))
-        page = reports.class_page(everyone, self.chapters, self.exercises, self.seed, self.stems)
+        page = reports.class_page(everyone, self.task.chapters, self.exercises, self.task.seed, self.stems)
         gradebook.write(book.page, page)
         return book
 
 
-def _confined(limits: confine.Limits, allow_unconfined: bool) -> confine.Limits:
-    """Return limits that ask every worker for the level that this machine reaches, found by trying."""
-    here = confine.level_here()
-    if not (allow_unconfined or here.reaches("restricted")):
+def _confined(limits: confine.Limits, reached: Confinement, allow_unconfined: bool) -> confine.Limits:
+    """Return limits that ask every worker for the level that was reached, found by trying."""
+    if not (allow_unconfined or reached.reaches("restricted")):
         raise UsageError(
-            f"student code cannot be confined here: this machine reaches the level {here.level!r}, below "
-            f"'restricted', for want of {'; '.join(here.missing)}. Grade on Linux 5.13 or newer; or, if you "
-            "trust whoever wrote the submissions, give --allow-unconfined"
+            f"student code cannot be confined here: this machine reaches the level {reached.level!r}, below "
+            f"'restricted', for want of {'; '.join(reached.missing)}. Grade on Linux 5.13 or newer; or, if "
+            "you trust whoever wrote the submissions, give --allow-unconfined"
         )
-    return replace(limits, least=here.level)
+    return replace(limits, least=reached.level)
 
 
 def _check_out(folder: Path, out: Path) -> None:

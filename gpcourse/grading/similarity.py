@@ -27,6 +27,8 @@ from gpcourse.grading.run import chapters_in
 from gpcourse.grading.submission import Submission, read_class
 from gpcourse.sandbox.home import PACKAGE
 
+#: The most pairs that the page shows.
+MOST = 100
 #: The name of the reference solutions among the documents. No student has it: it is no name of a file.
 REFERENCE = "the reference solutions"
 #: Characters of filtered code that are compared at a time, and how many are looked at to choose one: what
@@ -68,7 +70,7 @@ def compare(
     """Compare the submissions in `folder` with each other and with the reference; write what they share.
 
     Writes ``similarity.csv``, all pairs that share something, and ``similarity.html``, which shows those
-    that share at least `threshold`; these are returned, the most alike first.
+    that share at least `threshold`, up to `MOST`; these pairs are returned, the most alike first.
 
     Parameters
     ----------
@@ -93,7 +95,9 @@ def compare(
     pairs = _pairs(submissions, templates, chapters_in(notebooks) or CHAPTERS)
     shown = tuple(pair for pair in pairs if pair.share >= threshold)
     gradebook.write(out / "similarity.csv", _table(pairs))
-    page = reports.similarity_page(shown, [_parts(pair) for pair in shown], len(submissions), threshold)
+    first = shown[:MOST]
+    sides = [_parts(pair) for pair in first]
+    page = reports.similarity_page(first, sides, len(submissions), threshold, more=len(shown) - len(first))
     gradebook.write(out / "similarity.html", page)
     return shown
 

@@ -67,12 +67,20 @@ class Statement:
 class Program:
     """The code cells of a notebook, each with its number. A cell that is no Python costs itself only."""
 
-    def __init__(self, cells: Iterable[tuple[int, str]]) -> None:
+    def __init__(self, cells: Iterable[tuple[int, str]] = ()) -> None:
         self.statements: list[Statement] = []
-        self.broken: list[tuple[Trouble, frozenset[str]]] = []
+        self.broken: list[tuple[int, Trouble, frozenset[str]]] = []
         self.flags = 0
+        self._everywhere: set[int] = set()
+        self.add(cells)
+
+    def add(self, cells: Iterable[tuple[int, str]]) -> None:
+        """Read more cells of the same notebook; their statements take their places in its order."""
         for number, source in cells:
             self._add(number, source)
+        self.statements.sort(key=lambda statement: statement.cell)
+        self.broken.sort(key=lambda lost: lost[0])
+        vars(self).pop("binders", None)
 
     def _add(self, number: int, source: str) -> None:
         name = f"<cell {number}>"
@@ -81,13 +89,14 @@ class Program:
             tree = parse(source, name)
         except Exception as error:  # noqa: BLE001  # SyntaxError, a null byte, nesting that is too deep
             lost = frozenset(a or b for a, b in _DEFINITION.findall(source))
-            self.broken.append((_in_cell(describe(error), number), lost))
+            self.broken.append((number, _in_cell(describe(error), number), lost))
             return
         for node in tree.body:
             statement = _analyse(number, node)
             self.statements.append(statement)
             if isinstance(node, ast.ImportFrom) and node.module == "__future__":
                 self.flags |= _future_flags(node)
+                self._everywhere.add(number)
 
     @cached_property
     def binders(self) -> dict[str, list[int]]:
@@ -111,6 +120,11 @@ class Program:
                     names |= self.statements[i].reads
         return [self.statements[i] for i in sorted(chosen)]
 
+    def cells_for(self, name: str) -> list[int]:
+        """Return the cells that make `name` work, or say why it does not: as good as all of them."""
+        lost = {number for number, _, _ in self.broken}
+        return sorted({s.cell for s in self.needed(name)} | self._everywhere | lost)
+
     def is_stub(self, name: str) -> bool:
         """Tell whether the last definition of `name` is a function that does nothing yet."""
         where = self.binders.get(name, ())
@@ -119,7 +133,7 @@ class Program:
 
     def loss(self, name: str) -> Trouble | None:
         """Return the error of the cell that would have defined `name`, where one is broken."""
-        return next((trouble for trouble, lost in reversed(self.broken) if name in lost), None)
+        return next((trouble for _, trouble, lost in reversed(self.broken) if name in lost), None)
 
 
 def parse(source: str, name: str) -> ast.Module:

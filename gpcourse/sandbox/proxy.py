@@ -117,6 +117,8 @@ class Worker:
     start: Callable[[Path, Limits], Line] = launch
     _line: Line | None = None
     _ready: dict[str, Ready] = field(default_factory=dict)
+    _loaded: set[int] = field(default_factory=set)
+    _needs: dict[str, set[int]] = field(default_factory=dict)
     _kept: dict[str, int] = field(default_factory=dict)
     spent: float = field(default=0.0, init=False)
 
@@ -130,16 +132,22 @@ class Worker:
         """End the process, if one is running."""
         if self._line is not None:
             self._line.close()
-        self._line, self._ready = None, {}
+        self._line, self._ready, self._loaded = None, {}, set()
 
-    def survey(self) -> Survey:
-        """Read the notebook without running anything of it."""
+    def survey(self, wanted: Iterable[str] = ()) -> Survey:
+        """Read the notebook without running anything of it.
+
+        Of a process that takes the place of this one, the functions `wanted` get the cells that they need
+        only. No code of the student's has run when these are found.
+        """
         self.close()
+        wanted = sorted(wanted)
         try:
-            reply = self._start()
+            reply = self._load([number for number, _ in self.cells], wanted)
         except Gone as gone:
             self.close()
             return Survey(crash=self._trouble(gone))
+        self._needs = _needs(wanted, reply.get("needs"))
         return Survey(
             _words(reply.get("names")), _words(reply.get("stubs")), _troubles(reply.get("broken"), self._line)
         )
@@ -216,21 +224,26 @@ class Worker:
         self._kept[name] = self._kept.get(name, 0) + wire.weight(frame[: wire.HEAD.size])
         return self._kept[name] <= self.limits.answers
 
-    def _start(self) -> dict[Any, Any]:
-        self._line = self.start(self.package, self.limits)
+    def _load(self, numbers: Iterable[int], wanted: Sequence[str] = ()) -> dict[Any, Any]:
+        """Let the process read these cells; start one where none is running."""
+        if self._line is None:
+            self._line = self.start(self.package, self.limits)
         seconds = self.limits.load + GRACE
+        chosen = set(numbers) - self._loaded
+        self._loaded |= chosen
         # As bytes: a cell may be longer than a string that can cross.
-        texts = [source.encode("utf-8", "replace") for _, source in self.cells]
+        texts = [(n, source.encode("utf-8", "replace")) for n, source in self.cells if n in chosen]
         cells = {
-            "numbers": [n for n, _ in self.cells],
-            "sizes": list(map(len, texts)),
-            "text": b"".join(texts),
+            "numbers": [n for n, _ in texts],
+            "sizes": [len(text) for _, text in texts],
+            "text": b"".join(text for _, text in texts),
         }
-        return self._line.request("load", seconds, self.limits.wall(seconds), **cells)
+        return self._line.request("load", seconds, self.limits.wall(seconds), **cells, wanted=list(wanted))
 
     def _prepare(self, name: str) -> Ready:
-        if self._line is None:
-            self._start()
+        needed = self._needs.get(name, {number for number, _ in self.cells})
+        if not needed <= self._loaded or self._line is None:
+            self._load(needed)
         if name not in self._ready and self._line is not None:
             seconds = self.limits.load
             wall = self.limits.wall(seconds)
@@ -267,6 +280,16 @@ def answer_from(reply: dict[Any, Any], line: Line | None = None) -> Answer:
         _words(reply.get("changed")),
         seconds if isinstance(seconds, float) and seconds >= 0 else 0.0,
     )
+
+
+def _needs(wanted: Sequence[str], value: object) -> dict[str, set[int]]:
+    """Read which cells each name needs; one of which this is not said gets all."""
+    lists = value if isinstance(value, list) and len(value) == len(wanted) else []
+    return {
+        name: {number for number in numbers if isinstance(number, int)}
+        for name, numbers in zip(wanted, lists, strict=False)
+        if isinstance(numbers, list)
+    }
 
 
 def _too_much(name: str, limit: int) -> Answer:

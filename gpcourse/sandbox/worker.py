@@ -3,7 +3,8 @@
 It knows of no exercise, check, seed or solution. Its requests and replies are the frames of `wire`, on pipes
 that were its standard input and output; student code finds nothing but the null device there. The requests:
 
-- ``load`` (numbers, sizes, text): which functions there are, which are stubs, which cells are broken;
+- ``load`` (numbers, sizes, text, wanted): read cells; which functions there are, which are stubs, which cells
+  are broken, which cells each of the `wanted` names needs;
 - ``prepare`` (name, limit, wall): run what that function needs, in a namespace of its own;
 - ``call`` (name, refusals, limit, wall), and after it a frame (arguments, options) for each of `refusals`:
   call it so many times, one reply a call. After a call that did not return, the others are skipped; where the
@@ -64,21 +65,22 @@ class Notebook:
     """The functions of a notebook. Each has a namespace of its own, so that none can spoil another's."""
 
     def __init__(self) -> None:
-        self.program = Program([])
+        self.program = Program()
         self.rooms: dict[str, Room] = {}
 
-    def load(self, numbers: list[int], sizes: list[int], text: bytes) -> Message:
-        """Read the cells, whose texts follow each other in UTF-8; nothing of them is run."""
+    def load(self, numbers: list[int], sizes: list[int], text: bytes, wanted: list[str]) -> Message:
+        """Read cells too, whose texts follow each other in UTF-8; nothing of them is run."""
         ends = itertools.accumulate(sizes)
         cells = (
             (n, text[end - size : end].decode()) for n, size, end in zip(numbers, sizes, ends, strict=True)
         )
-        self.program, self.rooms = Program(cells), {}
+        self.program.add(cells)
         names = sorted(name for name in self.program.binders if len(name) <= LONGEST_NAME)[:_MOST_NAMES]
         return {
             "names": names,
             "stubs": [name for name in names if self.program.is_stub(name)],
-            "broken": [astuple(trouble) for trouble, _ in self.program.broken[:_MOST_NOTES]],
+            "broken": [astuple(trouble) for _, trouble, _ in self.program.broken[:_MOST_NOTES]],
+            "needs": [self.program.cells_for(name) for name in wanted],
         }
 
     def prepare(self, name: str, limit: float, wall: float) -> Message:

@@ -28,7 +28,8 @@ from gpcourse.errors import ArrayError
 from gpcourse.geometry.halfedge_mesh import HalfedgeMesh
 from gpcourse.view import scene
 from gpcourse.view.camera import positions as positions_of
-from gpcourse.view.compose import curves_scene, mesh_scene, points_scene, vectors_scene
+from gpcourse.view.checks import check_settings
+from gpcourse.view.compose import curves_scene, labels_scene, mesh_scene, points_scene, vectors_scene
 from gpcourse.view.connectivity import halfedge_scene
 from gpcourse.view.one_ring import neighbours_scene
 from gpcourse.view.picture import Picture
@@ -42,6 +43,8 @@ __all__ = [
     "curves_scene",
     "halfedge_scene",
     "halfedges",
+    "labels",
+    "labels_scene",
     "mesh",
     "mesh_scene",
     "neighbours",
@@ -72,6 +75,12 @@ def mesh(
     The settings are those of `mesh_scene`: ``title, direction, smooth, edges, colour, face_colours,
     vertex_colours, values_on, colour_map, limits, value_name, alt``.
     """
+    if labels == "halfedges" and isinstance(subject, HalfedgeMesh):
+        if values is not None:
+            raise ArrayError("values cannot be shown under numbered half-edges; leave out one of the two")
+        check_settings(settings, halfedge_scene, "view.mesh with labels='halfedges'")
+        return Picture(halfedge_scene(subject, **settings), static=static)
+    check_settings(settings, mesh_scene, "view.mesh")
     if isinstance(values, Mapping):
         if not values:
             raise ArrayError("there are no values in the dictionary; give at least one field by its name")
@@ -81,10 +90,6 @@ def mesh(
             for name, field in zip(names, values.values(), strict=True)
         )
         return Picture(_seen(fields[0]), static=static, frames=fields, names=names, chooser="menu")
-    if labels == "halfedges" and isinstance(subject, HalfedgeMesh):
-        if values is not None:
-            raise ArrayError("values cannot be shown under numbered half-edges; leave out one of the two")
-        return Picture(halfedge_scene(subject, **settings), static=static)
     return Picture(_seen(mesh_scene(subject, values, labels=labels, **settings)), static=static)
 
 
@@ -188,6 +193,7 @@ def halfedges(
 
     The settings are those of `halfedge_scene`: ``faces, labels, vertex_numbers, title, direction, alt``.
     """
+    check_settings(settings, halfedge_scene, "view.halfedges")
     return Picture(halfedge_scene(mesh, highlight, **settings), static=static)
 
 
@@ -195,6 +201,7 @@ def neighbours(
     subject: object, vertex: int, order: Sequence[int], *, static: bool | None = None, **settings: Any
 ) -> Picture:
     """Number the neighbours of a vertex in the order given. Settings: ``title, direction, alt``."""
+    check_settings(settings, neighbours_scene, "view.neighbours")
     return Picture(neighbours_scene(subject, vertex, order, **settings), static=static)
 
 
@@ -205,17 +212,26 @@ def points(
 
     Settings: ``colour, size, title, direction, colour_map, limits, value_name, alt``.
     """
+    check_settings(settings, points_scene, "view.points")
     return Picture(_seen(points_scene(positions, values, **settings)), static=static)
 
 
 def curves(lines: object, *, static: bool | None = None, **settings: Any) -> Picture:
     """Show one curve or several. Settings: ``colours, closed, on, width, title, direction, alt``."""
+    check_settings(settings, curves_scene, "view.curves")
     return Picture(_seen(curves_scene(lines, **settings)), static=static)
 
 
 def vectors(at: object, vectors: object, *, static: bool | None = None, **settings: Any) -> Picture:
     """Show vectors as arrows. Settings: ``on, colour, scale, title, direction, alt``."""
+    check_settings(settings, vectors_scene, "view.vectors")
     return Picture(_seen(vectors_scene(at, vectors, **settings)), static=static)
+
+
+def labels(positions: object, texts: object, *, static: bool | None = None, **settings: Any) -> Picture:
+    """Write a text beside each point. Settings: ``on, colour, title, direction, alt``."""
+    check_settings(settings, labels_scene, "view.labels")
+    return Picture(_seen(labels_scene(positions, texts, **settings)), static=static)
 
 
 def together(*pictures: Picture | Scene, static: bool | None = None, alt: str | None = None) -> Picture:

@@ -2,15 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from difflib import get_close_matches
+from inspect import signature
 from reprlib import repr as short
 from typing import Any
 
 import numpy as np
 
-from gpcourse.errors import ArrayError
+from gpcourse.errors import ArrayError, PictureError
 from gpcourse.geometry.arrays import FloatArray, as_points
 from gpcourse.view.colours import as_colour, as_colour_map
+
+#: What other libraries call a setting.
+_ELSEWHERE = {
+    "color": "colour", "colors": "colours", "c": "colour", "cmap": "colour_map", "colormap": "colour_map",
+    "clim": "limits", "vmin": "limits", "vmax": "limits", "shading": "smooth", "show_edges": "edges",
+    "name": "value_name", "unit": "value_name", "linewidth": "width", "s": "size",
+}  # fmt: skip
+
+
+def check_settings(given: Iterable[str], make: Callable[..., object], call: str) -> None:
+    """Raise PictureError if one of the names is no keyword of `make`; `call` is what the user wrote."""
+    known = [p.name for p in signature(make).parameters.values() if p.kind is p.KEYWORD_ONLY]
+    for name in given:
+        if name in known:
+            continue
+        close = [_ELSEWHERE[name]] if _ELSEWHERE.get(name) in known else get_close_matches(name, known, 1)
+        hint = f"did you mean {close[0]}? It" if close else "it"
+        raise PictureError(f"{call} has no setting {name!r}; {hint} has {', '.join(known)}")
+
+
+def as_flag(value: object, name: str) -> bool:
+    """Return True or False; ArrayError for all else, since any text counts as true."""
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    raise ArrayError(f"{name} is {short(value)}; it must be True or False")
 
 
 def as_vector(value: object, name: str, *, allow_zero: bool = False) -> tuple[float, float, float]:
@@ -50,10 +77,14 @@ def set_values(layer: Any, count: int) -> None:
 
 
 def as_values(value: object, count: int) -> FloatArray:
-    """Return `count` floats; what is beyond 1e300 counts as infinite, so that differences are finite."""
+    """Return `count` floats; what is masked is missing, and what is beyond 1e300 counts as infinite.
+
+    So differences of finite ones are finite.
+    """
     if hasattr(value, "toarray"):
         raise ArrayError("values is a sparse matrix; give an array, as values.toarray().ravel()")
     try:
+        hidden = np.ma.getmaskarray(value) if isinstance(value, np.ma.MaskedArray) else False
         numbers = np.asarray(value)
         values = numbers.astype(np.float64) if numbers.dtype.kind != "c" else None
     except (TypeError, ValueError, OverflowError):
@@ -63,7 +94,7 @@ def as_values(value: object, count: int) -> FloatArray:
     if values.shape != (count,):
         flat = ", as values.ravel()" if values.size == count else ""
         raise ArrayError(f"values has shape {values.shape}; give {count} numbers{flat or ', one for each'}")
-    return np.where(np.abs(values) > 1e300, np.inf, values)
+    return np.where(hidden, np.nan, np.where(np.abs(values) > 1e300, np.inf, values))
 
 
 def as_limits(value: object) -> tuple[float, float]:
@@ -80,9 +111,10 @@ def as_text(value: object) -> str:
     return "" if value is None else str(value)
 
 
-def as_texts(value: object, count: int) -> tuple[str, ...]:
+def as_texts(value: object, count: int, *, exactly: bool = False) -> tuple[str, ...]:
+    """Return `count` texts; none at all will do unless `exactly`."""
     texts = tuple(str(text) for text in value) if isinstance(value, Iterable) else ()
-    if isinstance(value, str) or len(texts) not in (0, count):
+    if isinstance(value, str) or len(texts) not in ((count,) if exactly else (0, count)):
         raise ArrayError(f"there are {len(texts)} texts for {count} places; give one for each")
     return texts
 

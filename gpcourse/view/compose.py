@@ -10,8 +10,8 @@ import numpy as np
 from gpcourse.errors import ArrayError
 from gpcourse.geometry.arrays import FloatArray, flatten_polygons
 from gpcourse.view.camera import FEW, area_vectors, facing, good_camera, is_flat, telling_camera
-from gpcourse.view.checks import as_positive, as_vector
-from gpcourse.view.colours import FRONT, INK
+from gpcourse.view.checks import as_flag, as_positive, as_texts, as_vector
+from gpcourse.view.colours import FRONT, INK, as_colour
 from gpcourse.view.scene import Arrows, Camera, Curves, Labels, Layer, Mesh, Panel, Points, Scene
 from gpcourse.view.subject import as_subject, lifted
 
@@ -77,7 +77,7 @@ def mesh_scene(
         colour_map=colour_map,
         limits=limits,
         value_name=value_name,
-        edges=(not smooth and len(sizes) <= 3000) if edges is None else edges,
+        edges=(not as_flag(smooth, "smooth") and len(sizes) <= 3000) if edges is None else edges,
         hidden_edges=labels is not None and len(sizes) <= FEW,
         smooth=smooth,
     )
@@ -104,7 +104,7 @@ def points_scene(
     places = lifted(positions, "points")
     layer = Points(
         places,
-        (colour,),
+        (as_colour(colour),),
         values=values,  # type: ignore[arg-type]  # converted in __post_init__
         colour_map=colour_map,
         limits=limits,
@@ -174,10 +174,36 @@ def vectors_scene(
             f"scale is {scale:.3g}, and arrows get {scale * longest:.3g} long; give a smaller one"
         )
     drawn = length > 0
-    layers.append(Arrows(tails[drawn], (tails + scale * arrows)[drawn], (colour,), width=1.2))
+    layers.append(Arrows(tails[drawn], (tails + scale * arrows)[drawn], (as_colour(colour),), width=1.2))
     words = f"{_count(len(arrows), 'arrow')}{where}; the longest stands for {longest:.3g}."
     panel = Panel(tuple(layers), title, camera_for(points, normals, direction))
     return Scene((panel,), alt=_alt(alt, title, words))
+
+
+def labels_scene(
+    positions: object,
+    texts: object,
+    *,
+    on: object = None,
+    colour: str = "black",
+    title: str = "",
+    direction: object = None,
+    alt: str | None = None,
+) -> Scene:
+    """Write a text beside each of (k, 3) or (k, 2) points, marked by dots, alone or `on` a mesh.
+
+    Raises
+    ------
+    ArrayError
+        If there are not as many texts as points; the message gives both numbers.
+    """
+    places = lifted(positions, "positions")
+    words = as_texts(texts, len(places), exactly=True)
+    layers, points, normals, where = _ground(on, places)
+    dots, names = vertex_labels(places, words, colours=(as_colour(colour),))
+    panel = Panel((*layers, dots, names), title, camera_for(points, normals, direction))
+    named = f": {', '.join(words)}" if 0 < len(words) <= FEW else ""
+    return Scene((panel,), alt=_alt(alt, title, f"{_count(len(words), 'label')}{where}{named}."))
 
 
 def _ground(on: object, points: FloatArray) -> tuple[list[Layer], FloatArray, FloatArray | None, str]:

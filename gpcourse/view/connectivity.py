@@ -15,7 +15,7 @@ from gpcourse.errors import ArrayError
 from gpcourse.geometry.arrays import BoolArray, FloatArray, IntArray
 from gpcourse.geometry.halfedge_mesh import HalfedgeMesh
 from gpcourse.view.camera import FEW, area_vectors
-from gpcourse.view.checks import as_index
+from gpcourse.view.checks import as_flag, as_index
 from gpcourse.view.colours import (
     FACE_HALFEDGE,
     HIGHLIGHT,
@@ -66,6 +66,7 @@ def halfedge_scene(
     ArrayError
         If the mesh has no positions, or a highlighted half-edge does not exist.
     """
+    labels, vertex_numbers = as_flag(labels, "labels"), as_flag(vertex_numbers, "vertex_numbers")
     vertices = halfedge_positions(mesh)
     chosen = _highlighted(highlight, mesh.n_halfedges)
     surface = Mesh(vertices, face_loops(mesh) if faces is None else faces, colour=PALE)

@@ -9,6 +9,7 @@ page around is dark, since a sandboxed frame cannot look.
 from __future__ import annotations
 
 import json
+import re
 from functools import cache
 from html import escape
 from importlib.resources import files
@@ -22,6 +23,7 @@ atob(document.getElementById(id).textContent), (c) => c.charCodeAt(0))]).stream(
 new DecompressionStream("deflate"))).arrayBuffer();
 inflated("program").then((code) => document.body.append(Object.assign(document.createElement("script"),
 { textContent: new TextDecoder().decode(code) })));"""
+_COMMENT = re.compile(r"//.*|/\*((?!\*/).)*\*/|")
 _POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'"
 
 
@@ -67,8 +69,9 @@ def framed(document: str, image: str, least_height: int = 260) -> str:
 
 @cache
 def _program() -> str:
-    parts = "".join(map(_part, ("shaders.js", "labels.js", "page.js", "start.js")))
-    return deflated(parts.encode())
+    text = "".join(map(_part, ("shaders.js", "labels.js", "page.js", "start.js")))
+    lines = (line.strip() for line in text.splitlines())
+    return deflated("\n".join(line for line in lines if not _COMMENT.fullmatch(line)).encode())
 
 
 @cache

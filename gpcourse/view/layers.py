@@ -9,6 +9,7 @@ from gpcourse.errors import ArrayError
 from gpcourse.geometry.arrays import FloatArray, IntArray, flatten_polygons
 from gpcourse.view.checks import (
     as_colours,
+    as_flag,
     as_positions,
     as_positive,
     as_text,
@@ -65,6 +66,8 @@ class Mesh:
         _, sizes = flatten_polygons(self.faces, len(vertices))
         if self.values_on not in ("vertices", "faces"):
             raise ArrayError(f"values_on is {self.values_on!r}; it must be 'vertices' or 'faces'")
+        for name in ("edges", "hidden_edges", "smooth"):
+            set_fields(self, **{name: as_flag(getattr(self, name), name)})
         count = len(vertices) if self.values_on == "vertices" else len(sizes)
         set_fields(
             self, vertices=vertices, colour=as_colour(self.colour), value_name=as_text(self.value_name)
@@ -139,7 +142,7 @@ class Curves:
             if len(line) < 2:
                 raise ArrayError(f"lines[{i}] has {len(line)} points; a curve needs at least 2")
         set_fields(self, lines=lines, colours=as_colours(self.colours, len(lines), "colours"))
-        set_fields(self, width=as_positive(self.width, "width"))
+        set_fields(self, width=as_positive(self.width, "width"), closed=as_flag(self.closed, "closed"))
         check_hidden(self.hidden)
 
 

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from gpcourse.errors import ArrayError
-from gpcourse.view.checks import as_positive, as_text, as_vector, set_fields
+from gpcourse.view.checks import as_flag, as_positive, as_text, as_vector, set_fields
 from gpcourse.view.colours import DIVERGING_MAPS
 from gpcourse.view.layers import Arrows, Curves, Labels, Layer, Mesh, Points
 
@@ -101,6 +101,7 @@ class Scene:
 
     def __post_init__(self) -> None:
         set_fields(self, panels=tuple(self.panels), alt=str(self.alt))
+        set_fields(self, shared_scale=as_flag(self.shared_scale, "shared_scale"))
         if not self.panels:
             raise ArrayError("a scene needs at least one panel")
         for i, panel in enumerate(self.panels):

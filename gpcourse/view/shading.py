@@ -10,9 +10,11 @@ from gpcourse.view.colours import BACK, NO_VALUE
 from gpcourse.view.scene import ColourScale, Mesh, Points
 
 #: Direction to the light in the camera's frame: over the viewer's left shoulder.
-LIGHT = np.array([-0.35, 0.5, 1.0]) / np.linalg.norm([-0.35, 0.5, 1.0])
+LIGHT = np.array([-0.5, 0.7, 1.0]) / np.linalg.norm([-0.5, 0.7, 1.0])
 #: Light bends so far round a surface, so that what turns away is not all equally dark.
 WRAP = 0.3
+#: What is left in the shade, and where the colour is a value. The shader of the page has the same numbers.
+AMBIENT, AMBIENT_OF_VALUES = 0.44, 0.72
 
 
 def rgb(colour: str) -> FloatArray:
@@ -64,7 +66,7 @@ def corner_colours(mesh: Mesh, axes: FloatArray, scale: ColourScale | None) -> F
     valued = mesh.values is not None and scale is not None
     base = _base(mesh, corners, face, scale)
     back = 0.55 * base + 0.45 * rgb(NO_VALUE) if valued else np.broadcast_to(rgb(BACK), base.shape)
-    return _lit(np.where(away[:, None], back, base), seen, ambient=0.72 if valued else 0.56)
+    return _lit(np.where(away[:, None], back, base), seen, AMBIENT_OF_VALUES if valued else AMBIENT)
 
 
 def _base(mesh: Mesh, corners: IntArray, face: IntArray, scale: ColourScale | None) -> FloatArray:

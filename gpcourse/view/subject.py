@@ -109,9 +109,9 @@ def left_face(mesh: HalfedgeMesh) -> tuple[IntArray, BoolArray]:
 
 
 def _in_range(points: FloatArray) -> FloatArray:
-    """Change the unit of a flow that has blown up, or of a speck, so that areas stay finite."""
+    """Change the unit of a flow that has blown up, or of a speck: a browser has numbers of 32 bits."""
     largest = float(np.abs(points).max(initial=0.0))
-    return points / largest if largest > 1e50 or 0 < largest < 1e-50 else points
+    return points / largest if largest > 1e15 or 0 < largest < 1e-15 else points
 
 
 def _read(record: IntArray, at: IntArray) -> IntArray:

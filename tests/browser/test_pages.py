@@ -1,4 +1,7 @@
-"""Pages that are read in a browser: those that nbconvert makes of notebooks, and those of the grade book."""
+"""Pages for a browser: those that nbconvert and Sphinx make of notebooks, and those of the grade book."""
+
+import subprocess
+import sys
 
 import nbformat
 import numpy as np
@@ -16,21 +19,48 @@ from gpcourse.grading.judge import Judged, Report
 pytestmark = [pytest.mark.browser, pytest.mark.xdist_group("browser")]
 
 
-def test_a_picture_is_drawn_in_the_html_of_nbconvert(browser, tmp_path):
-    from nbconvert import HTMLExporter
-
+def notebook_with_a_picture():
+    """A notebook whose only cell has been run, and shows a cube."""
     data = {"text/html": view.mesh(shapes.cube(), np.arange(8.0)).html(), "text/plain": "a cube"}
     cell = nbformat.v4.new_code_cell("cube", outputs=[nbformat.v4.new_output("display_data", data)])
-    html, _ = HTMLExporter(theme="dark").from_notebook_node(nbformat.v4.new_notebook(cells=[cell]))
-    (tmp_path / "cube.html").write_text(html, encoding="utf-8")
+    return nbformat.v4.new_notebook(cells=[nbformat.v4.new_markdown_cell("# A cube"), cell])
+
+
+def by_nbconvert(folder, **settings):
+    from nbconvert import HTMLExporter
+
+    html, _ = HTMLExporter(**settings).from_notebook_node(notebook_with_a_picture())
+    (folder / "cube.html").write_text(html, encoding="utf-8")
+    return folder / "cube.html"
+
+
+def by_sphinx(folder):
+    """Build a book of one notebook, as courses do."""
+    nbformat.write(notebook_with_a_picture(), folder / "cube.ipynb")
+    settings = {
+        "extensions": "myst_nb", "html_theme": "sphinx_book_theme", "nb_execution_mode": "off",
+        "root_doc": "cube",
+    }  # fmt: skip
+    given = [word for name, value in settings.items() for word in ("-D", f"{name}={value}")]
+    command = [sys.executable, "-m", "sphinx", "-q", "-C", *given, str(folder), str(folder / "book")]
+    subprocess.run(command, check=True, capture_output=True, timeout=120)
+    return folder / "book" / "cube.html"
+
+
+# The book's theme lays what a cell shows on a light ground, at night too.
+@pytest.mark.parametrize(("maker", "dark"), [(by_nbconvert, False), (by_nbconvert, True), (by_sphinx, False)])
+def test_a_picture_is_drawn_in_a_page_made_of_a_notebook(browser, tmp_path, maker, dark):
+    file = maker(tmp_path, **({"theme": "dark"} if dark else {}))
     context = browser.new_context(viewport={"width": 900, "height": 800}, offline=True)
-    page = context.new_page()
-    page.goto((tmp_path / "cube.html").as_uri(), wait_until="domcontentloaded")
-    frame = page.locator(".jp-OutputArea iframe").element_handle().content_frame()
+    page, asked = context.new_page(), []
+    page.on("request", lambda r: asked.append(r.url) if r.frame != page.main_frame else None)
+    page.goto(file.as_uri(), wait_until="domcontentloaded")
+    frame = page.locator("iframe").element_handle().content_frame()
     frame.wait_for_selector("body[data-drawn]", timeout=20_000)
-    frame.wait_for_selector("html.dark")
+    frame.wait_for_selector("html.dark" if dark else "html:not(.dark)", state="attached")
     frame.locator("canvas").first.hover()
     assert frame.get_by_role("status").text_content().startswith("vertex ")
+    assert asked in ([], ["about:srcdoc"])  # of a picture; the pages themselves ask for MathJax
     context.close()
 
 

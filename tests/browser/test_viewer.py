@@ -99,11 +99,64 @@ def test_dragging_turns_keys_zoom_and_r_restores(opened):
     assert covered(np.abs(pixels(page) - before)) < 0.02
 
 
-def test_edges_shading_and_isolines_change_what_is_drawn(opened):
-    torus = shapes.torus(16, 12)
+def middle(image):
+    """Where what is drawn lies, in pixels."""
+    return np.argwhere(np.abs(image - image[1, 1]).max(axis=2) > 12).mean(axis=0)[::-1]
+
+
+def test_it_is_moved_with_shift_the_right_button_and_keys_and_zoomed_by_the_wheel(opened):
+    page, _ = opened(view.mesh(shapes.cube()))
+    box = page.locator("iframe").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    def seen():
+        page.mouse.move(box["x"] + 2, box["y"] + 2)
+        page.wait_for_timeout(100)
+        return pixels(page)
+
+    before = seen()
+    page.mouse.move(x, y)
+    page.mouse.wheel(0, 300)
+    assert covered(seen()) == pytest.approx(covered(before), rel=0.02)  # a page that is scrolled stays one
+    page.mouse.click(x, y)
+    page.mouse.wheel(0, 300)
+    small = seen()
+    assert covered(small) < 0.5 * covered(before)
+    places = [middle(small)]
+    for button, key in (("left", "Shift"), ("right", None)):
+        page.mouse.move(x, y)
+        if key:
+            page.keyboard.down(key)
+        page.mouse.down(button=button)
+        page.mouse.move(x + 40, y + 25, steps=2)
+        page.mouse.up(button=button)
+        if key:
+            page.keyboard.up(key)
+        places.append(middle(seen()))
+    for _ in range(3):
+        page.keyboard.press("Shift+ArrowLeft")
+    places.append(middle(seen()))
+    page.keyboard.press("+")
+    assert covered(seen()) > 1.1 * covered(small)
+    np.testing.assert_allclose(np.diff(places, axis=0), [(40, 25), (40, 25), (-36, 0)], atol=2)
+
+
+def test_the_value_of_a_face_is_said_over_the_whole_face(opened):
+    page, frame = opened(
+        view.mesh(SQUARE, [1.5, -2.0], values_on="faces", value_name="κ (1/m)", direction=(0, 0, 1))
+    )
+    said = [ask(page, frame, x, y).split("face ")[1] for x, y in ((0.2, 0.3), (0.6, 0.9), (0.5, 0.85))]
+    assert said == ["1\nκ (1/m) −2", "0\nκ (1/m) 1.5", "0\nκ (1/m) 1.5"]
+    assert frame.locator(".bar b").text_content() == "κ (1/m)"
+
+
+# More than 12,000 edges are drawn in another way.
+@pytest.mark.parametrize(("rings", "buttons"), [(16, ("edges", "smooth", "isolines")), (130, ("edges",))])
+def test_edges_shading_and_isolines_change_what_is_drawn(opened, rings, buttons):
+    torus = shapes.torus(rings, 3 * rings // 4)
     page, frame = opened(view.mesh(torus, torus.vertices[:, 2]))
     seen = [pixels(page)]
-    for name in ("edges", "smooth", "isolines"):
+    for name in buttons:
         frame.get_by_role("button", name=name, exact=True).click()
         page.wait_for_timeout(100)
         seen.append(pixels(page))
@@ -168,6 +221,31 @@ def test_it_is_dark_where_the_page_around_is_dark(opened):
     page.evaluate("document.body.className = 'day'")  # as JupyterLab does when the theme is changed
     frame.wait_for_selector("html:not(.dark)")
     assert pixels(page)[40, 2].min() > 240
+
+
+def test_numbers_beside_a_mesh_are_light_on_dark_paper(opened):
+    rim = np.delete(shapes.disc(1).vertices, 0, axis=0)  # a trace inside the mesh, with the numbers outside
+    layers = scene.Mesh(1.01 * rim, [[0, 1, 2, 3, 4, 5]]), scene.Labels(rim, tuple("123456"), place="beside")
+    numbered = view.Picture(scene.Scene((scene.Panel(layers, camera=scene.Camera((0, 0, 1), (0, 1, 0))),)))
+    page, _ = opened(numbered, style="<style>body { background: #222 }</style>")
+    seen = pixels(page)
+    greys = np.ptp(seen, axis=2) < 8  # the mesh is bluish
+    assert (greys & (seen.min(axis=2) > 130)).sum() > 50
+    assert (greys & (seen.min(axis=2) > 200)).sum() < 5  # dark letters have a white rim
+
+
+def test_the_page_has_the_light_of_the_still_image(opened):
+    """A cube has three colours on its three sides that are seen."""
+    cube = view.mesh(shapes.cube())
+    still = np.asarray(Image.open(BytesIO(cube.png())).convert("RGB"))
+    page, _ = opened(cube)
+    found = []
+    for image in (still, pixels(page)):
+        colours, counts = np.unique(image.reshape(-1, 3), axis=0, return_counts=True)
+        largest = colours[np.argsort(counts)[-4:]]
+        found.append(largest[np.argsort(largest.sum(axis=1))].astype(int))
+    assert np.abs(found[0] - found[1]).max() <= 2
+    assert np.diff(found[0].sum(axis=1)).min() > 20
 
 
 def test_a_saved_page_is_dark_where_the_reader_wants_it(browser, tmp_path):

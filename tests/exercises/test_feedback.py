@@ -91,7 +91,7 @@ def survives_the_sanitizer(html):
     assert set(parsed.tags) <= TAGS
     assert names <= ATTRIBUTES
     assert all(STYLE.fullmatch(style) and "url" not in style for style in styles)
-    assert all(source.startswith("data:image/png;base64,") for source in sources)
+    assert all(source.startswith("data:image/webp;base64,") for source in sources)
     return True
 
 

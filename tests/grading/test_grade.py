@@ -13,6 +13,7 @@ import pytest
 from gpcourse.errors import UsageError, WorkerError
 from gpcourse.exercises.course import CHAPTERS
 from gpcourse.grading import grade as grade_confined
+from gpcourse.grading.crews import Here
 from gpcourse.sandbox import confine
 from gpcourse.sandbox.lockdown import Confinement
 
@@ -159,7 +160,7 @@ def test_a_machine_that_starts_no_process_is_our_fault(tmp_path, monkeypatch):
     def refuse(package, limits):
         raise WorkerError("no process could be started")
 
-    monkeypatch.setattr(confine, "level_here", Confinement)
+    monkeypatch.setattr(Here, "confinement", lambda _: Confinement())
     monkeypatch.setattr(confine, "launcher", lambda *_: nullcontext(refuse))
     report = grade(write(tmp_path / "class", "ada"), tmp_path / "out").reports[0]
     assert report.status == "grader fault"
@@ -167,7 +168,7 @@ def test_a_machine_that_starts_no_process_is_our_fault(tmp_path, monkeypatch):
 
 def test_what_cannot_be_confined_is_not_graded_unless_it_is_trusted(tmp_path, monkeypatch):
     folder = write(tmp_path / "class", "ada")
-    monkeypatch.setattr(confine, "level_here", lambda: Confinement("limits", ("Landlock: none here",)))
+    monkeypatch.setattr(Here, "confinement", lambda _: Confinement("limits", ("Landlock: none here",)))
     with pytest.raises(UsageError, match=r"Landlock: none here.*--allow-unconfined"):
         grade_confined(folder, tmp_path / "out")
     assert not (tmp_path / "out").exists()
@@ -178,7 +179,7 @@ def test_a_worker_that_is_less_confined_than_the_others_gets_no_notebook(tmp_pat
     def fresh(*_):  # which reaches no namespaces
         return nullcontext(confine.launch)
 
-    monkeypatch.setattr(confine, "level_here", lambda: Confinement("full"))
+    monkeypatch.setattr(Here, "confinement", lambda _: Confinement("full"))
     monkeypatch.setattr(confine, "launcher", fresh)
     report = grade(write(tmp_path / "class", "ada"), tmp_path / "out").reports[0]
     assert (report.status, report.points) == ("grader fault", 0)

@@ -28,7 +28,7 @@ def folder(tmp_path):
     for i, name in enumerate(STUDENTS):
         result = ("np.linalg.norm(np.cross(b - a, c - a)) / 2", "float(abs(a).sum())", "no_such_name")[i % 3]
         source = (
-            "import time\nimport numpy as np\nslept = time.sleep(0.3)\n"  # run, since the function reads it
+            "import time\nimport numpy as np\nslept = time.sleep(0.5)\n"  # run, since the function reads it
             f"def triangle_area(a, b, c):\n    slept\n    return {result}"
         )
         text = json.dumps({"cells": [{"cell_type": "code", "source": source}]})

@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+import sys
 
 import pytest
 from click.testing import CliRunner
@@ -102,3 +103,25 @@ def test_what_cannot_be_used_is_said(folder, tmp_path):
     (tmp_path / "file").write_text("", "utf-8")
     with pytest.raises(UsageError, match="is a file; give a folder"):
         compare(folder, [], tmp_path / "file")
+
+
+def test_the_code_keeps_its_indentation(folder, tmp_path):
+    compare(folder, course_notebooks(), tmp_path / "out")
+    assert "\n<mark>                if other in todo:</mark>" in (tmp_path / "out/similarity.html").read_text(
+        "utf-8"
+    )
+
+
+def test_without_the_extra_it_is_named(folder, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "copydetect", None)
+    with pytest.raises(UsageError, match=r"gpcourse\[similarity\]"):
+        compare(folder, course_notebooks(), tmp_path / "out")
+
+
+def test_the_page_shows_the_most_alike_and_counts_the_others(folder, tmp_path, monkeypatch):
+    monkeypatch.setattr("gpcourse.grading.similarity.MOST", 1)
+    pairs = compare(folder, course_notebooks(), tmp_path / "out", threshold=0.1)
+    page = (tmp_path / "out/similarity.html").read_text("utf-8")
+    assert len(pairs) > 2
+    assert page.count('<details class="pair') == 1
+    assert f"the other {len(pairs) - 1} are in similarity.csv" in page

@@ -1,5 +1,7 @@
 """What is run of a notebook: what a function needs, in its order, and nothing else."""
 
+import ast
+
 import pytest
 
 from gpcourse.sandbox.program import Program, parse
@@ -110,3 +112,34 @@ def test_a_stub_is_a_function_that_does_nothing(body, stub):
 
 def test_a_stub_that_was_filled_in_below_is_none():
     assert not Program([(1, "def f(): pass"), (2, "def f(): return 1")]).is_stub("f")
+
+
+CELLS = (
+    "from __future__ import annotations\nimport math",
+    "def f(:\n    pass",
+    "1 / 0",
+    "SCALE = math.pi",
+    "def g(x: Missing):\n    return SCALE * x",
+    "SCALE = 2 * SCALE\nSCALE = SCALE + 1",
+    "def h():\n    return f(g(1))",
+    "%timeit g(1)",
+)
+
+
+@pytest.mark.parametrize("name", ["f", "g", "h", "nowhere"])
+def test_the_cells_for_a_function_are_as_good_as_all(name):
+    cells = dict(enumerate(CELLS, start=1))
+    whole = Program(cells.items())
+    part = Program((n, cells[n]) for n in whole.cells_for(name))
+    assert len(part.statements) < len(whole.statements)
+    assert [ast.dump(s.node) for s in part.needed(name)] == [ast.dump(s.node) for s in whole.needed(name)]
+    assert part.flags == whole.flags
+    assert part.loss(name) == whole.loss(name)
+
+
+def test_cells_that_are_read_later_take_their_places():
+    cells = list(enumerate(CELLS, start=1))
+    whole, later = Program(cells), Program(cells[4:])
+    later.add(cells[:4])
+    assert [s.cell for s in later.statements] == [s.cell for s in whole.statements]
+    assert later.cells_for("h") == whole.cells_for("h") == [1, 2, 4, 5, 6, 7]

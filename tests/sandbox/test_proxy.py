@@ -249,6 +249,19 @@ def test_the_survey_runs_nothing(worker):
     assert [t.place for t in survey.broken] == ["cell 2"]
 
 
+def test_a_process_that_takes_the_place_of_another_reads_what_is_needed_only(worker):
+    w = worker("A = 2", "def f(): return A", "B = 3", "def g(): return A * B")
+    assert w.survey(["f", "g", "h"]).names == ("A", "B", "f", "g")
+    w.close()
+    assert ask(w, "f").value == 2
+    assert w._loaded == {1, 2}
+    assert ask(w, "g").value == 6
+    assert w._loaded == {1, 2, 3, 4}
+    w.close()
+    assert w.prepare("h").status == "missing"
+    assert w._loaded == set()
+
+
 def test_what_cannot_be_sent_is_our_fault_and_hurts_no_process(worker):
     w = worker("def f(x): return x")
     with pytest.raises(WireError):

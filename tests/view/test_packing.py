@@ -2,6 +2,7 @@
 
 import base64
 import json
+import os
 import zlib
 
 import numpy as np
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from gpcourse import view
-from gpcourse.errors import ArrayError
+from gpcourse.errors import ArrayError, PictureError
 from gpcourse.geometry import shapes
 from gpcourse.view.packing import MISSING, pack, quantised, value_codes
 
@@ -105,6 +106,17 @@ def test_pages_are_small(rings, sides, most):
     assert len(picture.html()) < most  # with the still image beneath
 
 
+@pytest.mark.parametrize(("rings", "sides", "most"), [(50, 50, 60_000), (250, 200, 1_200_000)])
+def test_the_buffers_of_a_mesh_without_any_order_are_small(rings, sides, most):
+    """Noise, and vertices and faces in random order: nothing of it can be predicted."""
+    torus, rng = shapes.torus(rings, sides), np.random.default_rng(0)
+    order = rng.permutation(len(torus.vertices))
+    vertices = (torus.vertices + rng.normal(scale=0.01, size=torus.vertices.shape))[order]
+    faces = rng.permutation(np.argsort(order)[torus.faces])
+    header, block = pack((view.mesh_scene((vertices, faces)),))
+    assert len(header) + len(block) < most
+
+
 def test_quantising_stays_in_its_range():
     assert quantised(np.array([[-1.0, 0, 2]]), np.zeros(3), 1.0).tolist() == [[0, 0, 65535]]
 
@@ -126,6 +138,18 @@ def test_static_pictures_hold_no_page(monkeypatch):
     assert "<iframe" in view.mesh(shapes.cube(), static=False).html()
 
 
+def test_under_nbval_pictures_are_static(monkeypatch):
+    import IPython
+
+    monkeypatch.delenv("GPCOURSE_STATIC", raising=False)
+    assert "PYTEST_VERSION" in os.environ
+    assert "<iframe" in view.mesh(shapes.cube()).html()  # this is no kernel
+    monkeypatch.setattr(IPython, "get_ipython", object)
+    assert "<iframe" not in view.mesh(shapes.cube()).html()
+    monkeypatch.setenv("GPCOURSE_STATIC", "0")
+    assert "<iframe" in view.mesh(shapes.cube()).html()
+
+
 def test_pages_hold_no_address():
     page = view.mesh(shapes.cube()).page()
     assert "http" not in page.replace("http-equiv", "")
@@ -135,7 +159,7 @@ def test_pages_hold_no_address():
 def test_a_picture_is_saved_as_a_page(tmp_path):
     view.mesh(shapes.cube()).save(tmp_path / "cube.html")
     assert (tmp_path / "cube.html").read_text("utf-8").startswith("<!doctype html>")
-    with pytest.raises(ArrayError, match=r"\.png, \.pdf or \.html"):
+    with pytest.raises(PictureError, match=r"\.png, \.pdf or \.html"):
         view.mesh(shapes.cube()).save(tmp_path / "cube.jpg")
 
 

@@ -3,20 +3,26 @@
 import json
 import subprocess
 import sys
+from inspect import signature
 
 import numpy as np
 import pytest
 from scipy import sparse
 
 from gpcourse import view
-from gpcourse.errors import ArrayError, GeometryError
+from gpcourse.errors import ArrayError, GeometryError, PictureError
 from gpcourse.reference.halfedge import halfedge_mesh
-from gpcourse.view import scene
+from gpcourse.view import checks, scene
 
 TETRAHEDRON = (
     np.array([[1.0, 1, 1], [-1, -1, 1], [-1, 1, -1], [1, -1, -1]]),
     [[0, 1, 3], [0, 2, 1], [0, 3, 2], [1, 2, 3]],
 )
+
+MAKERS = (
+    view.mesh_scene, view.halfedge_scene, view.neighbours_scene, view.points_scene, view.curves_scene,
+    view.vectors_scene, view.labels_scene,
+)  # fmt: skip
 
 
 def every_layer():
@@ -176,15 +182,78 @@ def test_values_go_to_faces_when_there_is_one_for_each():
         (lambda: view.vectors(TETRAHEDRON[0], TETRAHEDRON[0], scale=-1), "scale is -1"),
         (lambda: view.vectors(TETRAHEDRON[0], TETRAHEDRON[0], scale=1e308), "give a smaller one"),
         (lambda: view.vectors(TETRAHEDRON[0], TETRAHEDRON[0], on=3), "a int cannot be drawn as a mesh"),
+        (
+            lambda: view.labels(TETRAHEDRON[0], ["a", "b"]),
+            "there are 2 texts for 4 places; give one for each",
+        ),
+        (lambda: view.labels(TETRAHEDRON[0], []), "there are 0 texts for 4 places"),
+        (lambda: view.labels(TETRAHEDRON[0], "abcd"), "there are 4 texts"),
         (view.together, "give at least one"),
         (lambda: view.together(view.side_by_side(*2 * [view.mesh(TETRAHEDRON)])), "picture 0 has 2 panels"),
         (lambda: view.animation(None), "pictures is a NoneType"),
         (lambda: view.animation([view.mesh(TETRAHEDRON)], names=3), "names is 3"),
+        (lambda: view.mesh(TETRAHEDRON, smooth="no"), "smooth is 'no'; it must be True or False"),
+        (lambda: view.mesh(TETRAHEDRON, edges="no"), "edges is 'no'; it must be"),
+        (lambda: view.mesh(TETRAHEDRON, static="no"), "static is 'no'; it must be"),
+        (lambda: view.curves(TETRAHEDRON[0], closed=1), "closed is 1; it must be"),
+        (lambda: view.halfedges(tetrahedron(), labels="all"), "labels is 'all'; it must be"),
+        (lambda: view.side_by_side(view.mesh(TETRAHEDRON), shared_scale=2), "shared_scale is 2; it must be"),
+        (lambda: view.points(TETRAHEDRON[0], colour="mauve"), "colour is 'mauve'"),
+        (lambda: view.vectors(TETRAHEDRON[0], TETRAHEDRON[0], colour=["red"]), r"colour is \['red'\]"),
     ],
 )
 def test_what_cannot_be_drawn_is_named(make, message):
     with pytest.raises(GeometryError, match=message):
         make()
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (
+            lambda: view.mesh(TETRAHEDRON, range(4), cmap="jet"),
+            "view.mesh has no .*'cmap'; did you mean colour_map",
+        ),
+        (lambda: view.mesh(TETRAHEDRON, titel="a"), "did you mean title"),
+        (lambda: view.mesh(TETRAHEDRON, cheese=1), "'cheese'; it has labels, title"),
+        (
+            lambda: view.mesh(tetrahedron(), labels="halfedges", smooth=True),
+            "labels='halfedges' has no setting",
+        ),
+        (lambda: view.points(TETRAHEDRON[0], s=3), "view.points has no setting 's'; did you mean size"),
+        (lambda: view.curves(TETRAHEDRON[0], color="red"), "view.curves has no .* did you mean colours"),
+        (
+            lambda: view.vectors(TETRAHEDRON[0], TETRAHEDRON[0], length=2),
+            "view.vectors has no setting 'length'",
+        ),
+        (lambda: view.halfedges(tetrahedron(), vertex_number=True), "did you mean vertex_numbers"),
+        (lambda: view.neighbours(TETRAHEDRON, 0, [], labels=True), "view.neighbours has no setting 'labels'"),
+        (
+            lambda: view.Picture(view.mesh(TETRAHEDRON).scene, dpi=0),
+            "dpi is 0; give a number from 10 to 1200",
+        ),
+        (lambda: view.Picture(view.mesh(TETRAHEDRON).scene, dpi="high"), "dpi is 'high'"),
+        (lambda: view.mesh(TETRAHEDRON).save(3), "path is 3; give a file name"),
+        (lambda: view.mesh(TETRAHEDRON).save("no such/x.png"), "no folder no such; make it first"),
+    ],
+)
+def test_a_setting_that_there_is_not_is_named_with_those_that_there_are(make, message):
+    with pytest.raises(PictureError, match=message):
+        make()
+
+
+@pytest.mark.parametrize("end", ["png", "html", "pdf"])
+def test_a_picture_that_cannot_be_written_says_why(tmp_path, end):
+    folder = tmp_path / f"taken.{end}"
+    folder.mkdir()
+    with pytest.raises(PictureError, match=rf"taken\.{end} cannot be written: Is a directory"):
+        view.mesh(TETRAHEDRON).save(folder)
+
+
+def test_every_setting_that_another_library_calls_otherwise_is_one_of_ours():
+    ours = {name for make in MAKERS for name in signature(make).parameters}
+    assert set(checks._ELSEWHERE.values()) <= ours
+    assert not ours & set(checks._ELSEWHERE)
 
 
 @pytest.mark.parametrize(
@@ -199,6 +268,11 @@ def test_a_picture_of_nothing_says_so(make, words):
     picture = make()
     assert picture.scene.panels[0].title.startswith(f"nothing to see: {words}")
     assert "<iframe" in picture.html()
+
+
+def test_masked_values_are_missing():
+    picture = view.mesh(TETRAHEDRON, np.ma.masked_less([1.0, 2, 3, 4], 2.5))
+    assert "from 3 to 4; 2 values are not finite" in repr(picture)
 
 
 def test_values_that_have_blown_up_are_shown_in_grey():
@@ -233,6 +307,15 @@ def test_pictures_are_laid_over_each_other_as_the_first_is_seen():
     assert panel.camera == first.scene.panels[0].camera
     assert repr(both) == f"{first!r} {second!r}"
     assert "<iframe" in both.html()
+
+
+def test_texts_stand_beside_their_points():
+    picture = view.labels(TETRAHEDRON[0], ["a", "b", 3, "½"], on=TETRAHEDRON, colour="red")
+    _, dots, words = picture.scene.panels[0].layers
+    np.testing.assert_array_equal(dots.positions, words.positions)
+    assert words.texts == ("a", "b", "3", "½")
+    assert set(words.colours) == {"#c8450c"}
+    assert repr(picture) == "4 labels on a mesh of 4 vertices and 4 triangles: a, b, 3, ½."
 
 
 def test_colours_are_names_or_numbers():

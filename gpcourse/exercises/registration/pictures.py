@@ -104,6 +104,8 @@ def _sample(points: FloatArray, chosen: IntArray, title: str) -> Scene:
 def of_speeds(points: FloatArray, speeds: FloatArray, column: int) -> Draw:
     """Show how fast each point leaves the surface in the motion of a column."""
     title = f"speed off the surface, column {column} of your motions"
+    rounding = 1e-12 * float(np.abs(points).max(initial=1.0))
+    speeds = np.where(np.abs(speeds) < rounding, 0.0, speeds)  # else it would fill the whole scale
     return partial(points_scene, points, speeds, size=5.0, title=title, value_name="(r × x + t)·n")
 
 

@@ -28,8 +28,8 @@ const write = (pen, panel, { look, cell, dark, project, under }) => {
     if (!l.texts || !l.texts.length) return;
     const size = l.a ? arrowLetters(l, look, project) : between(10, 66 / l.texts.length ** 0.45, 14);
     l.texts.forEach((text, i) => {
-      const [x, y, z] = project(l.at, i, look), { on, behind } = inFront(x, y, z), faint = behind && l.hidden !== "show";
-      if (text && !(faint && l.hidden === "hide")) wanted.push({ l, i, text, size, rank, x, y, z, on, faint });
+      const [x, y, z] = project(l.at, i, look), { behind } = inFront(x, y, z), faint = behind && l.hidden !== "show";
+      if (text && !(faint && l.hidden === "hide")) wanted.push({ l, i, text, size, rank, x, y, z, faint });
     });
   });
   wanted.sort((p, q) => !!p.l.a - !!q.l.a || p.faint - q.faint || q.rank - p.rank || q.z - p.z);
@@ -41,8 +41,9 @@ const write = (pen, panel, { look, cell, dark, project, under }) => {
     const w = pen.measureText(text).width / 2 + 1, h = 0.37 * size + 1;
     const places = candidates(word, w, h, middle, look, project), place = places.find((p) => free(p, w, h));
     if (!place && (l.a || l.texts.length > CROWD)) continue;
-    stamp(pen, place || places[0], word, w, h, dark && !word.on && !badge);
-    taken.push([...(place || places[0]), badge ? Math.max(w, 0.9 * size) : w, badge ? 0.9 * size : h]);
+    const [x, y] = place || places[0];
+    stamp(pen, [x, y], word, w, h, dark && !badge && !inFront(x, y, word.z).on);
+    taken.push([x, y, badge ? Math.max(w, 0.9 * size) : w, badge ? 0.9 * size : h]);
   }
   pen.restore();
 };

@@ -95,27 +95,49 @@ const boot = async (kept) => {
 
   /* Values came in 65,535 steps: what is finer than a step is not said. */
   const grain = ({ low, high }) => (high > low ? 10 ** Math.ceil(Math.log10((high - low) / 65534)) : 0);
+  const edgesOf = (at, corners, count, many, size) => {
+    const n = at.length / 3, ends = new Set(), lines = [];
+    for (let f = 0, start = 0; f < count; f++) {
+      const k = many ? many[f] : size;
+      for (let j = 0; j < k; j++) {
+        const a = corners[start + j], b = corners[start + ((j + 1) % k)], key = a < b ? a * n + b : b * n + a;
+        if (!ends.has(key)) { ends.add(key); lines.push(a, b); }
+      }
+      start += k;
+    }
+    const few = lines.length <= 24000;
+    const ends_ = (first) => Float32Array.from({ length: 1.5 * lines.length }, (_, i) => at[3 * lines[2 * ((i / 3) | 0) + first] + (i % 3)]);
+    let long = 0;
+    for (let i = 0; i < lines.length; i += 2) long += Math.hypot(...[0, 1, 2].map((d) => at[3 * lines[i] + d] - at[3 * lines[i + 1] + d])) / (lines.length / 2);
+    return {
+      k: lines.length, long,
+      wire: few ? null : array(() => { attribute(edge, "x", at, 3); buffer(new Uint32Array(lines), gl.ELEMENT_ARRAY_BUFFER); }),
+      rods: few ? array(() => { attribute(stroke, "a", ends_(0), 3, 1); attribute(stroke, "b", ends_(1), 3, 1); }) : null,
+    };
+  };
   const prepareMesh = (layer, box) => {
     const at = places(layer.at, box), corners = numbers(layer.corners), wide = layer.corners.w === 2 ? 65536 : 4294967296;
     for (let i = 3; i < corners.length; i++) corners[i] = (corners[i] + corners[i - 3]) % wide;
     const many = typeof layer.sizes === "number" ? null : numbers(layer.sizes);
     const count = many ? many.length : layer.sizes ? corners.length / layer.sizes : 0;
-    const triangles = [], owner = [], ends = new Set(), lines = [], n = at.length / 3;
-    for (let f = 0, start = 0; f < count; f++) {
+    const total = corners.length - 2 * count, triangles = new Uint32Array(3 * total), owner = new Uint32Array(total);
+    for (let f = 0, start = 0, t = 0; f < count; f++) {
       const k = many ? many[f] : layer.sizes;
-      for (let j = 0; j < k; j++) {
-        const a = corners[start + j], b = corners[start + ((j + 1) % k)], key = a < b ? a * n + b : b * n + a;
-        if (!ends.has(key)) { ends.add(key); lines.push(a, b); }
-        if (j > 1) { triangles.push(corners[start], corners[start + j - 1], corners[start + j]); owner.push(f); }
+      for (let j = 2; j < k; j++, t++) {
+        triangles[3 * t] = corners[start]; triangles[3 * t + 1] = corners[start + j - 1]; triangles[3 * t + 2] = corners[start + j];
+        owner[t] = f;
       }
       start += k;
     }
     const normal = new Float32Array(at.length);
     for (let t = 0; t < triangles.length; t += 3) {
-      const [i, j, k] = [3 * triangles[t], 3 * triangles[t + 1], 3 * triangles[t + 2]];
-      const u = [0, 1, 2].map((d) => at[j + d] - at[i + d]), w = [0, 1, 2].map((d) => at[k + d] - at[i + d]);
-      const g = [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];
-      for (const c of [i, j, k]) for (let d = 0; d < 3; d++) normal[c + d] += g[d];
+      const i = 3 * triangles[t], j = 3 * triangles[t + 1], k = 3 * triangles[t + 2];
+      const ux = at[j] - at[i], uy = at[j + 1] - at[i + 1], uz = at[j + 2] - at[i + 2];
+      const wx = at[k] - at[i], wy = at[k + 1] - at[i + 1], wz = at[k + 2] - at[i + 2];
+      const gx = uy * wz - uz * wy, gy = uz * wx - ux * wz, gz = ux * wy - uy * wx;
+      normal[i] += gx; normal[i + 1] += gy; normal[i + 2] += gz;
+      normal[j] += gx; normal[j + 1] += gy; normal[j + 2] += gz;
+      normal[k] += gx; normal[k + 1] += gy; normal[k + 2] += gz;
     }
     for (let i = 0; i < normal.length; i += 3) {
       const l = Math.hypot(normal[i], normal[i + 1], normal[i + 2]) || 1;
@@ -125,19 +147,19 @@ const boot = async (kept) => {
     const m = triangles.length, X = new Float32Array(3 * m), N = new Float32Array(3 * m), C = new Float32Array(3 * m), V = new Float32Array(m);
     const plain = rgb(layer.colour), palette = (layer.palette || []).map(rgb), painted = layer.painted ? numbers(layer.painted) : null, blended = layer.blended ? numbers(layer.blended) : null;
     for (let c = 0; c < m; c++) {
-      const i = triangles[c], f = owner[(c / 3) | 0], paint = painted ? palette[painted[f]] : blended ? [0, 1, 2].map((d) => blended[3 * i + d] / 255) : plain;
-      for (let d = 0; d < 3; d++) { X[3 * c + d] = at[3 * i + d]; N[3 * c + d] = normal[3 * i + d]; C[3 * c + d] = paint[d]; }
+      const i = triangles[c], f = owner[(c / 3) | 0], paint = painted ? palette[painted[f]] : plain;
+      for (let d = 0; d < 3; d++) {
+        X[3 * c + d] = at[3 * i + d]; N[3 * c + d] = normal[3 * i + d];
+        C[3 * c + d] = blended ? blended[3 * i + d] / 255 : paint[d];
+      }
       if (v) V[c] = v[onFaces ? f : i];
     }
-    const ordered = new Uint32Array(lines), xb = buffer(at), few = lines.length <= 24000;
-    const ends_ = (first) => Float32Array.from({ length: 1.5 * lines.length }, (_, i) => at[3 * lines[2 * ((i / 3) | 0) + first] + (i % 3)]);
-    let long = 0;
-    for (let i = 0; i < lines.length; i += 2) long += Math.hypot(...[0, 1, 2].map((d) => at[3 * lines[i] + d] - at[3 * lines[i + 1] + d])) / (lines.length / 2);
+    /* The edges are many, and most large meshes are shown without: they are found when they are wanted. */
+    let found = null;
+    const rims = () => (found ??= edgesOf(at, corners, count, many, layer.sizes));
     return {
-      kind: "mesh", at, triangles: new Uint32Array(triangles), owner, v, grain: v && grain(layer.values), onFaces, unit: layer.unit || "value", smooth: layer.smooth, edges: layer.edges, behind: layer.behind, m, k: lines.length, long, valued: !!v,
+      kind: "mesh", at, triangles, owner, v, grain: v && grain(layer.values), onFaces, unit: layer.unit || "value", smooth: layer.smooth, edges: layer.edges, behind: layer.behind, m, rims, valued: !!v,
       body: array(() => { attribute(surface, "x", X, 3); attribute(surface, "normal", N, 3); attribute(surface, "colour", C, 3); attribute(surface, "value", V, 1); }),
-      wire: few ? null : array(() => { attribute(edge, "x", xb, 3); buffer(ordered, gl.ELEMENT_ARRAY_BUFFER); }),
-      rods: few ? array(() => { attribute(stroke, "a", ends_(0), 3, 1); attribute(stroke, "b", ends_(1), 3, 1); }) : null,
     };
   };
   const strokes = (a, b, colours) => {
@@ -267,18 +289,20 @@ const boot = async (kept) => {
     gl.uniform3fv(surface.at("back"), rgb("#f0c794"));
     if (panel.scale) { gl.uniform2f(surface.at("range"), panel.scale.low, panel.scale.high); gl.uniform1f(surface.at("spacing"), ticks(panel.scale).step / 2); gl.bindTexture(gl.TEXTURE_2D, panel.lookup); }
     gl.bindVertexArray(l.body); gl.drawArrays(gl.TRIANGLES, 0, l.m);
-    if (!(state.wire ?? l.edges) || !l.k) return;
-    if (l.rods) {
+    if (!(state.wire ?? l.edges)) return;
+    const { k, long, wire, rods } = l.rims();
+    if (!k) return;
+    if (rods) {
       gl.vertexAttrib3f(gl.getAttribLocation(stroke.p, "colour"), 0.26, 0.3, 0.37);
-      gl.bindVertexArray(l.rods);
+      gl.bindVertexArray(rods);
       passes(l.behind ? "fade" : "hide", (alpha) => {
-        set(stroke, { width: Math.min(Math.max(0.03 * l.long * look.k, 0.45), 1.3), alpha, lift: 0, bias: 1e-3 / Math.max(1, state.zoom), tip: 0 });
-        gl.uniform1i(stroke.at("head"), false); gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, l.k / 2);
+        set(stroke, { width: Math.min(Math.max(0.03 * long * look.k, 0.45), 1.3), alpha, lift: 0, bias: 1e-3 / Math.max(1, state.zoom), tip: 0 });
+        gl.uniform1i(stroke.at("head"), false); gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, k / 2);
       });
     } else {
       set(edge, { bias: 1e-3 / Math.max(1, state.zoom) }); gl.enable(gl.BLEND);
       gl.uniform4f(edge.at("colour"), 0.11, 0.13, 0.16, 0.3);
-      gl.bindVertexArray(l.wire); gl.drawElements(gl.LINES, l.k, gl.UNSIGNED_INT, 0); gl.disable(gl.BLEND);
+      gl.bindVertexArray(wire); gl.drawElements(gl.LINES, k, gl.UNSIGNED_INT, 0); gl.disable(gl.BLEND);
     }
   };
   let waiting = false, running = 0;

@@ -21,8 +21,8 @@ const SHADERS = (() => {
         bool known = v == v;
         if (valued) base = known ? texture(lookup, vec2(clamp(t, 0.0, 1.0), 0.5)).rgb : vec3(0.73, 0.735, 0.75);
         if (!gl_FrontFacing) base = valued ? mix(base, vec3(0.73), 0.45) : back;
-        float ambient = valued ? 0.72 : 0.56;
-        float light = ambient + (1.0 - ambient) * max(dot(m, vec3(-0.299, 0.427, 0.854)) + 0.3, 0.0) / 1.154;
+        float ambient = valued ? 0.72 : 0.44;
+        float light = ambient + (1.0 - ambient) * max(dot(m, vec3(-0.379, 0.531, 0.758)) + 0.3, 0.0) / 1.058;
         vec3 shown = base * min(light, 1.0);
         float gloss = 0.5 * max(light - 1.0, 0.0);
         shown = shown * (1.0 - gloss) + gloss;

@@ -11,6 +11,7 @@ import json
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -39,13 +40,13 @@ class Notebook:
     readable: bool = True
     damaged: bool = False
 
-    @property
+    @cached_property
     def defines(self) -> frozenset[str]:
         """The names that its text seems to define at the top level."""
         found = (pair for _, source in self.cells for pair in _DEFINITION.findall(source))
         return frozenset(a or b for a, b in found)
 
-    @property
+    @cached_property
     def functions(self) -> frozenset[str]:
         """Those of the names that are functions."""
         found = (pair for _, source in self.cells for pair in _DEFINITION.findall(source))

@@ -174,7 +174,8 @@ def _plain_line(line: str) -> str | None:
 
 
 def _analyse(number: int, node: ast.stmt) -> Statement:
-    binds, reads = set(_changes(node)), set(_changes(node))
+    binds = set(_changes(node))
+    reads = set(binds)
     try:
         table = symtable.symtable(ast.unparse(node), "<cell>", "exec")
     except (SyntaxError, RecursionError, ValueError):  # compiling the statement will say so

@@ -1,9 +1,14 @@
 """What tests of several rooms share."""
 
 import os
+import sys
 from pathlib import Path
 
 import pytest
+
+# Tests in this process solve as most students do, without the extra `cholmod`: an import of it fails.
+# Notebooks that are run and the workers of the grader have it. The tests of the factorisations bring it back.
+sys.modules["cholespy"] = None
 
 
 @pytest.fixture(scope="session")

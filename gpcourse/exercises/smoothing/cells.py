@@ -272,6 +272,15 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 
 
 @VORONOI_AREAS.mistake(
+    "parts that are negative were set to zero",
+    hint="Add up your cells on an obtuse triangle. Is the sum its area?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    parts = np.maximum(truths.circumcentric_corners(vertices, faces), 0)
+    return truths.per_vertex(faces, parts, len(vertices))
+
+
+@VORONOI_AREAS.mistake(
     "the factor is twice too large",
     hint="Add up your cells. How does the sum compare with the area of the surface?",
 )

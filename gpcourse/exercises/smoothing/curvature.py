@@ -152,6 +152,15 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 
 
 @MEAN_CURVATURE_NORMAL.mistake(
+    "the sum was divided by the area of all faces around the vertex",
+    hint="Cells do not overlap, and rings of faces do. How often would each face be counted?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    ring = 3 * truths.third_areas(vertices, faces)
+    return -0.5 * truths.stiffness(vertices, faces) @ vertices / ring[:, None]
+
+
+@MEAN_CURVATURE_NORMAL.mistake(
     "barycentric cells were used in place of mixed ones",
     hint="Which cells does the docstring name? Compare both on a right triangle.",
 )
@@ -554,6 +563,16 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 )
 def _(vertices: FloatArray, faces: IntArray) -> Any:
     return truths.defects(vertices, faces) / (3 * truths.third_areas(vertices, faces))
+
+
+@DISCRETE_GAUSSIAN_CURVATURE.mistake(
+    "the curvature was set to zero at the boundary",
+    hint="What must A K sum to on a disc? How much of it is left to your function there?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    K = truths.defects(vertices, faces) / truths.mixed_areas(vertices, faces)
+    K[truths.boundary_vertices(faces)] = 0.0
+    return K
 
 
 @DISCRETE_GAUSSIAN_CURVATURE.mistake(

@@ -510,6 +510,15 @@ def _(C: Any, M: Any, f: FloatArray, t: float) -> Any:
 
 
 @HEAT_STEP.mistake(
+    "the heat flowed as it really does, e^(−ωt) for each mode",
+    hint="That is what many small steps tend to. By what does a single implicit step multiply a mode?",
+)
+def _(C: Any, M: Any, f: FloatArray, t: float) -> Any:
+    frequencies, phi = truths.modes(C, M)
+    return phi @ ((phi.T @ (M @ f)).T * np.exp(-t * frequencies)).T
+
+
+@HEAT_STEP.mistake(
     "t was not used",
     hint="What should a step with t = 0 do? And what does yours do?",
 )

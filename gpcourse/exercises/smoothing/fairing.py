@@ -664,6 +664,14 @@ def _(vertices: FloatArray, faces: IntArray, fixed: Any, order: int) -> Any:
 
 
 @FAIR.mistake(
+    "the boundary was fixed, and nothing else",
+    hint="How many rings does `fixed` hold for order 2? What do you let go of?",
+)
+def _(vertices: FloatArray, faces: IntArray, fixed: Any, order: int) -> Any:
+    return _faired(vertices, faces, truths.boundary_vertices(faces), order)
+
+
+@FAIR.mistake(
     "the other vertices were fixed, and these were moved",
     hint="Which vertices does `fixed` name: those that stay or those that move?",
 )

@@ -354,6 +354,19 @@ def _step(P: FloatArray, C: Any, M: Any, lam: float) -> FloatArray:
     return np.asarray(np.linalg.solve(system, M @ P))
 
 
+def _step_within(P: FloatArray, C: Any, M: Any, lam: float, factor: float) -> FloatArray:
+    """Step with the boundary held at `factor` times its positions."""
+    D, right = truths.dense(C), M @ P
+    # The ends of an edge with a single face have one common neighbour, as a rule; others have two or more.
+    linked = (D != 0) & ~np.eye(len(D), dtype=bool)
+    common = (linked.astype(int) @ linked.astype(int)) * linked
+    border = ((common == 1) & linked).any(axis=1)
+    system = truths.dense(M) - lam * D
+    system[border] = np.eye(len(D))[border]
+    right[border] = factor * P[border]
+    return np.asarray(np.linalg.solve(system, right))
+
+
 def _refuse_other(solver: str) -> None:
     if solver not in ("cholesky", "cg"):
         raise ValueError(f"there is no solver {solver!r}")
@@ -425,15 +438,16 @@ def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "choles
 )
 def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "cholesky") -> Any:
     _refuse_other(solver)
-    D, right = truths.dense(C), M @ vertices
-    # The ends of an edge with a single face have one common neighbour, as a rule; others have two or more.
-    linked = (D != 0) & ~np.eye(len(D), dtype=bool)
-    common = (linked.astype(int) @ linked.astype(int)) * linked
-    border = ((common == 1) & linked).any(axis=1)
-    system = truths.dense(M) - lam * D
-    system[border] = np.eye(len(D))[border]
-    right[border] = 0.0
-    return np.linalg.solve(system, right)
+    return _step_within(vertices, C, M, lam, 0.0)
+
+
+@IMPLICIT_STEP.mistake(
+    "the boundary was held where it was",
+    hint="Nothing is fixed in this step. Where does Desbrun's equation put a vertex of the boundary?",
+)
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "cholesky") -> Any:
+    _refuse_other(solver)
+    return _step_within(vertices, C, M, lam, 1.0)
 
 
 @IMPLICIT_STEP.mistake(
@@ -605,6 +619,10 @@ def _declare_flow(exercise: Exercise, claim: str, keep: bool) -> None:
             P = _grown(P, faces, start) if keep_volume else P
         return P.astype(np.float32)
 
+    _declare_mistakes_of_flow(exercise, keep)
+
+
+def _declare_mistakes_of_flow(exercise: Exercise, keep: bool) -> None:
     other = (
         (
             "the matrices were made anew in every step: this is mean-curvature flow",
@@ -627,6 +645,13 @@ def _declare_flow(exercise: Exercise, claim: str, keep: bool) -> None:
     )
     def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
         return _flow(vertices, faces, lam * steps, min(steps, 1), keep=keep, volume=keep_volume)
+
+    @exercise.mistake(
+        "λ was divided by the number of steps",
+        hint="Is λ the time of all steps together, or of each one?",
+    )
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
+        return _flow(vertices, faces, lam / max(steps, 1), steps, keep=keep, volume=keep_volume)
 
     @exercise.mistake(
         "every step started from the first positions",

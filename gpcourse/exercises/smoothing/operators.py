@@ -160,6 +160,16 @@ def _(faces: IntArray, n_vertices: int) -> Any:
 
 
 @UNIFORM_LAPLACIAN.mistake(
+    "the sum over the neighbours was divided by the number of faces",
+    hint="Inside, a vertex has as many faces as neighbours. And at the boundary?",
+)
+def _(faces: IntArray, n_vertices: int) -> Any:
+    W = _adjacency(faces, n_vertices)
+    valence = np.bincount(faces.ravel(), minlength=n_vertices)
+    return W / np.maximum(valence, 1)[:, None] - np.diag((valence > 0).astype(float))
+
+
+@UNIFORM_LAPLACIAN.mistake(
     "the matrix was made symmetric by dividing by the roots of both valences",
     hint="Is the mean over the neighbours of v divided by anything that belongs to a neighbour?",
 )
@@ -377,6 +387,28 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 )
 def _(vertices: FloatArray, faces: IntArray) -> Any:
     return _from_weights(vertices, faces, np.abs(_half_cotangents(vertices, faces)))
+
+
+@COTANGENT_MATRIX.mistake(
+    "negative cotangents were set to zero",
+    hint="The cotangent of an obtuse angle is negative. What does Cu give for a linear u if you drop it?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    return _from_weights(vertices, faces, np.maximum(_half_cotangents(vertices, faces), 0))
+
+
+@COTANGENT_MATRIX.mistake(
+    "a boundary edge has the whole cotangent of its one angle",
+    hint="The weight is half the sum over the angles that face the edge, not their mean. And with one?",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    weights = _half_cotangents(vertices, faces)
+    single = truths.boundary_edges(faces)
+    tail, head = np.roll(faces, -1, axis=1), np.roll(faces, -2, axis=1)
+    for corner in np.ndindex(faces.shape):
+        if (int(tail[corner]), int(head[corner])) in single:
+            weights[corner] *= 2
+    return _from_weights(vertices, faces, weights)
 
 
 @COTANGENT_MATRIX.mistake(

@@ -424,6 +424,17 @@ def _(f: FloatArray, phi: FloatArray, M: Any, k: int) -> Any:
 
 
 @SPECTRAL_RECONSTRUCTION.mistake(
+    "the k largest coefficients were kept, not the first k",
+    hint="Which modes does the task name: those that matter most to f, or the smoothest?",
+)
+def _(f: FloatArray, phi: FloatArray, M: Any, k: int) -> Any:
+    coefficients = phi.T @ (M @ f)
+    size = np.linalg.norm(coefficients.reshape(phi.shape[1], -1), axis=1)
+    kept = np.argsort(-size)[:k]
+    return phi[:, kept] @ coefficients[kept]
+
+
+@SPECTRAL_RECONSTRUCTION.mistake(
     "the last k modes were used, not the first",
     hint="Which modes are the smooth ones: those at the start or at the end of phi?",
 )

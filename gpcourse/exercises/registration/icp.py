@@ -257,8 +257,12 @@ def _(f: Asked, rng: Rng) -> None:
     source, want = _displaced(rng, moved(others, R, t), 0.08, 0.05, room.points.mean(axis=0))
     value = f(source, room.points, room.normals, 8, 0.0)
     on = "42 points on three walls, onto other points on the walls, with normals"
+    mine = _result(value, 8, on)
     # Whichever point of its wall is nearest, the plane is the same: the error is squared in each step.
-    _expect_pose(_result(value, 8, on), want, source, room.points, 1e-6, on)
+    _expect_pose(mine, want, source, room.points, 1e-6, on)
+    loss = float(np.sqrt((brute_force(room.points, source).min(axis=1) ** 2).mean()))
+    what = "The loss of the first iteration, the root mean square distance of the pairs of points,"
+    expect.close(float(mine[2][0]), loss, 1e-6 * loss, what, on=on)
 
 
 @ICP.check("it stops when the loss no longer changes, and not before", points=2)
@@ -486,6 +490,33 @@ class _OnlyBelow(_Loop):
         return history[-1] < tolerance
 
 
+class _Signed(_Loop):
+    def done(self, history: list[float], step: Motion, tolerance: float) -> bool:
+        return history[-1] < tolerance or (len(history) > 1 and history[-1] - history[-2] < tolerance)
+
+
+class _LossToPlanes(_Loop):
+    def minimise(self, p: FloatArray, q: FloatArray, n: FloatArray | None) -> Motion:
+        self.across = None if n is None else np.einsum("ij,ij->i", p - q, n)
+        return super().minimise(p, q, n)
+
+    def loss(self, distances: FloatArray, kept: Any) -> float:
+        if self.across is None:
+            return super().loss(distances, kept)
+        return float(np.sqrt((self.across**2).mean()))
+
+
+class _RowsTimesR(_Loop):
+    def place(self, source: FloatArray, x: FloatArray, pose: Motion, step: Motion) -> FloatArray:
+        turned: FloatArray = x @ step[0] + step[1]
+        return turned
+
+
+class _TurnedByTheNewR(_Loop):
+    def accumulate(self, R: FloatArray, t: FloatArray, step: FloatArray, shift: FloatArray) -> Motion:
+        return step @ R, step @ R @ t + shift
+
+
 class _OwnThreshold(_Loop):
     def done(self, history: list[float], step: Motion, tolerance: float) -> bool:
         return len(history) > 1 and abs(history[-2] - history[-1]) < 1e-3
@@ -526,6 +557,14 @@ ICP.mistake(
     "the translations were added up without turning them",
     hint="Write R₂(R₁x + t₁) + t₂ without brackets. What happens to t₁?",
 )(_declare(_SummedShift))
+ICP.mistake(
+    "the translation was turned by the whole rotation, not by that of the step",
+    hint="Write R₂(R₁x + t₁) + t₂ without brackets. Does R₁ turn t₁? In which order do your two lines run?",
+)(_declare(_TurnedByTheNewR))
+ICP.mistake(
+    "rows of points were multiplied by R in place of its transpose",
+    hint="R x is for a column x. Your points are rows: which product turns a row?",
+)(_declare(_RowsTimesR))
 ICP.mistake(
     "the pose is the inverse one, which moves the target onto the source",
     hint="Which cloud moves, and which one stays?",
@@ -578,6 +617,14 @@ ICP.mistake(
     "the loss counts the rejected pairs as well",
     hint="Which pairs did the step make smaller? Whose distances tell whether it still gains anything?",
 )(_declare(_LossOfAll))
+ICP.mistake(
+    "the loss was measured to the planes, not between the points",
+    hint="The docstring says what the history holds, with normals or without. Which distance is it?",
+)(_declare(_LossToPlanes))
+ICP.mistake(
+    "the change of the loss was compared with its sign",
+    hint="A loss that falls from 0.5 to 0.3 changes by −0.2. Is that less than the tolerance?",
+)(_declare(_Signed))
 ICP.mistake(
     "the loop ends when the loss is below the tolerance, and only then",
     hint="Noisy scans never fit exactly. How small does their loss become, and what does it do then?",

@@ -35,10 +35,12 @@ def _as_found(arguments: tuple[Any, ...], value: Any) -> list[Any]:
     index = np.asarray(indices, dtype=int)
     inside = (index >= 0) & (index < len(points))
     apart = np.linalg.norm(queries - points[np.where(inside, index, 0)], axis=1)
-    # Two trees visit different numbers of points: only whether they are few, and whether they add up, counts.
+    # Two trees visit different numbers of points: only whether they are few, and differ much from query to
+    # query, and add up, counts.
     seen = np.asarray(visited, dtype=float)
     share = float(seen.mean()) / len(points)
-    many = [share > 0.1, share > 0.9, bool((np.diff(seen) > 0).all() and len(seen) > 4)]
+    uneven = bool(share > 0.1 and len(points) > 1000 and seen.std() > 0.5 * seen.mean())
+    many = [share > 0.1, share > 0.9, uneven, bool((np.diff(seen) > 0).all() and len(seen) > 4)]
     return [np.asarray(distances, dtype=float), np.where(inside, apart, -1.0), many]
 
 
@@ -233,6 +235,26 @@ def _all(tree: _Tree, queries: FloatArray) -> tuple[FloatArray, IntArray, IntArr
     return d, i, v
 
 
+class _Remembering(_Tree):
+    """Keeps the best of one query for the next."""
+
+    best, index = np.inf, -1
+
+    def nearest(self, query: FloatArray) -> tuple[float, int, int]:
+        self.visited = 0
+        self._search(self.root, query)
+        return self.best, self.index, self.visited
+
+
+class _OneAxisOff(_Tree):
+    """Counts the axes from another start when it searches."""
+
+    def _search(self, node: Any, query: FloatArray) -> None:
+        if isinstance(node, tuple):
+            node = ((node[0] + 1) % 3, *node[1:])
+        super()._search(node, query)
+
+
 @NEAREST_NEIGHBOURS.variant("axes in turn, the median by sorting")
 def _(points: FloatArray, queries: FloatArray, leaf_size: int = 8) -> Any:
     return [column.tolist() for column in _all(_Tree(points, leaf_size), queries)]
@@ -272,6 +294,30 @@ def _(points: FloatArray, queries: FloatArray, leaf_size: int = 8) -> Any:
 )
 def _(points: FloatArray, queries: FloatArray, leaf_size: int = 8) -> Any:
     return _all(_Tree(points, leaf_size, prune=lambda beyond, best: beyond**2 >= best), queries)
+
+
+@NEAREST_NEIGHBOURS.mistake(
+    "the distance to the plane has a sign: from below, the far side was always visited",
+    hint="A query far below a cutting plane: is query − value smaller than the best distance?",
+)
+def _(points: FloatArray, queries: FloatArray, leaf_size: int = 8) -> Any:
+    return _all(_Tree(points, leaf_size, prune=lambda beyond, best: beyond >= best), queries)
+
+
+@NEAREST_NEIGHBOURS.mistake(
+    "the best distance of one query was kept for the next",
+    hint="What does the second query know before its search begins?",
+)
+def _(points: FloatArray, queries: FloatArray, leaf_size: int = 8) -> Any:
+    return _all(_Remembering(points, leaf_size), queries)
+
+
+@NEAREST_NEIGHBOURS.mistake(
+    "the search compares along another axis than the one that was cut",
+    hint="A box was cut across x. Which coordinate of the query says on which side it lies?",
+)
+def _(points: FloatArray, queries: FloatArray, leaf_size: int = 8) -> Any:
+    return _all(_OneAxisOff(points, leaf_size), queries)
 
 
 @NEAREST_NEIGHBOURS.mistake(
@@ -354,6 +400,7 @@ def _pairs(rng: Rng, scale: float) -> tuple[tuple[Any, ...], BoolArray]:
     """Return pairs with known distances and angles, none close to the limits, and which to keep."""
     n = 40
     near, alike = rng.random(n) < 0.5, rng.integers(0, 3, size=n)
+    near[0], alike[0] = True, 0
     limit, angle = 0.3 * scale, rng.uniform(0.5, 1.0)
     p = scale * rng.normal(size=(n, 3))
     out = rng.normal(size=(n, 3))
@@ -365,6 +412,7 @@ def _pairs(rng: Rng, scale: float) -> tuple[tuple[Any, ...], BoolArray]:
     angles = np.choose(
         alike, [angle * rng.uniform(0, 0.9, n), rng.uniform(1.1 * angle, 1.6, n), rng.uniform(2.9, 3.1, n)]
     )
+    angles[0] = 0.005  # within the limit in degrees, too
     b = np.array([turn(np.cross(x, rng.normal(size=3)), w) @ x for x, w in zip(a, angles, strict=True)])
     return (p, q, a, b, limit, angle), near & (alike == 0)
 
@@ -469,6 +517,15 @@ def _(p: Any, q: Any, normals_p: Any, normals_q: Any, max_distance: float, max_a
     return (d**2 <= max_distance) & (w <= max_angle)
 
 
+@REJECT_PAIRS.mistake(
+    "one length was taken of all pairs together",
+    hint="How many numbers does your norm return for 40 pairs? Along which axis should it sum?",
+)
+def _(p: Any, q: Any, normals_p: Any, normals_q: Any, max_distance: float, max_angle: float) -> Any:
+    _, w = _tests(p, q, normals_p, normals_q)
+    return (np.linalg.norm(p - q) <= max_distance) & (w <= max_angle)
+
+
 TRIM_PAIRS = Exercise(
     reference.trim_pairs,
     notes="ch. 2, step 3",
@@ -501,12 +558,12 @@ def _(f: Asked, rng: Rng) -> None:
 
 @TRIM_PAIRS.check("few wild pairs do not move the border")
 def _(f: Asked, rng: Rng) -> None:
-    distances = np.concatenate([rng.uniform(0.1, 0.2, size=34), rng.uniform(50, 90, size=6)])
+    distances = np.concatenate([rng.uniform(1, 2, size=34), rng.uniform(500, 900, size=6)])
     order = rng.permutation(40)
     answer = f(distances[order], 0.8)
     on = "34 close pairs and 6 wild ones, keep = 0.8"
     mine = mask(answer, 40, on=on)
-    wild = int(np.count_nonzero(mine & (distances[order] > 1)))
+    wild = int(np.count_nonzero(mine & (distances[order] > 2)))
     expect.that(wild == 0, "Wild pairs are kept.", yours=f"{wild} of 6", truth="none", on=on)
     kept = int(mine.sum())
     message = "The wild pairs change how many are kept."
@@ -560,6 +617,14 @@ def _(distances: FloatArray, keep: float) -> Any:
 )
 def _(distances: FloatArray, keep: float) -> Any:
     return np.asarray(distances) <= keep
+
+
+@TRIM_PAIRS.mistake(
+    "entry i of the mask belongs to the i-th place in the sorted order, not to pair i",
+    hint="What is the first number of argsort: the rank of pair 0, or the pair of rank 0?",
+)
+def _(distances: FloatArray, keep: float) -> Any:
+    return np.argsort(distances) < keep * len(distances)
 
 
 REJECT_BOUNDARY_PAIRS = Exercise(

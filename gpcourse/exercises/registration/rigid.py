@@ -249,6 +249,26 @@ def _(p: FloatArray, q: FloatArray, weights: Any = None) -> Any:
 
 
 @RIGID_TRANSFORM.mistake(
+    "a column of R changed its sign, not one of V",
+    hint="R = VUᵀ: the last column of V is a direction in space. Which direction is the last column of R?",
+)
+def _(p: FloatArray, q: FloatArray, weights: Any = None) -> Any:
+    U, V, a, b, D = _svd(p, q, weights, weights)
+    R = V @ U.T @ D
+    return R, a - R @ b
+
+
+@RIGID_TRANSFORM.mistake(
+    "the last column of numpy's Vᵀ changed its sign, which is a row of V",
+    hint="numpy returns V transposed. Where in that array is the third singular direction?",
+)
+def _(p: FloatArray, q: FloatArray, weights: Any = None) -> Any:
+    U, V, a, b, D = _svd(p, q, weights, weights)
+    R = D @ V @ U.T
+    return R, a - R @ b
+
+
+@RIGID_TRANSFORM.mistake(
     "R is UVᵀ where it should be VUᵀ",
     hint="Move one point by hand with your R. Does it go from q towards p, or the other way?",
 )

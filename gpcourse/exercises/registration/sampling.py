@@ -19,6 +19,7 @@ from gpcourse.exercises.registration.inputs import (
     random_motion,
     random_turn,
     sample,
+    turn,
 )
 from gpcourse.geometry.arrays import FloatArray, IntArray
 from gpcourse.reference import registration as reference
@@ -285,6 +286,14 @@ def _(points: FloatArray, k: int) -> Any:
 
 
 @UNIFORM_SAMPLING.mistake(
+    "the points farthest from the first one were taken",
+    hint="You have chosen a point. Which distances become smaller, and where do you store that?",
+)
+def _(points: FloatArray, k: int) -> Any:
+    return _farthest(points, k, 0, lambda old, new: old)
+
+
+@UNIFORM_SAMPLING.mistake(
     "the points farthest from the centroid were taken",
     hint="Where are these points? Is there one in the middle?",
 )
@@ -314,10 +323,12 @@ def _shares(arguments: tuple[Any, ...], value: Any) -> list[Any]:
     chosen = np.asarray(value, dtype=int)
     label = np.unique(normals.round(6), axis=0, return_inverse=True)[1].ravel()
     counts = np.bincount(label[chosen], minlength=label.max() + 1)
-    known = len(counts) == 4 and k == 24
+    known = len(counts) == 6 and k == 24
     own = bool(known and np.array_equal(chosen, _by_direction(normals, k, None)))
     repeated = len(np.unique(chosen)) < len(chosen)
-    return [len(chosen), repeated, own, [bool(known and counts.max() > 14), bool(known and counts.min() < 2)]]
+    # If one direction has nearly all points, how few each of the others has is chance.
+    most = bool(known and counts.max() > 14)
+    return [len(chosen), repeated, own, most, ((counts < 2) & (known and not most)).tolist()]
 
 
 NORMAL_SPACE_SAMPLING = Exercise(
@@ -332,19 +343,23 @@ NORMAL_SPACE_SAMPLING = Exercise(
 )
 
 
-def _grooved_normals(rng: Rng) -> tuple[FloatArray, IntArray]:
-    """Return the normals of a plate with a groove: top, two walls and the underside, and which is which."""
-    axes = np.eye(3)[rng.permutation(3)]
-    four = np.stack([axes[0], axes[1], -axes[1], -axes[0]]) * rng.choice([-1, 1])
-    tilt = random_turn(rng, rng.uniform(0.05, 0.15))
-    label = rng.permutation(np.repeat(np.arange(4), [300, 20, 20, 20]))
-    return (four @ tilt.T)[label], label
+def _grooved_normals(rng: Rng, up: int | None = None) -> tuple[FloatArray, IntArray]:
+    """Return the normals of a plate with two grooves that cross: top, underside and four walls, and which.
+
+    The plate looks along a coordinate axis (number `up`, or any), tilted towards a wall, so that the two have
+    the same longitude.
+    """
+    axes = np.roll(np.eye(3), rng.integers(3) if up is None else 2 - up, axis=0)
+    axes = np.array([axes[2], *rng.permutation(axes[:2])]) * rng.choice([-1, 1], size=(3, 1))
+    six = np.concatenate([axes, -axes])[[0, 3, 1, 4, 2, 5]] @ turn(axes[1], rng.uniform(0.05, 0.15)).T
+    label = rng.permutation(np.repeat(np.arange(6), [480, 20, 20, 20, 20, 20]))
+    return six[label], label
 
 
 @NORMAL_SPACE_SAMPLING.check("k different indices")
 def _(f: Asked, rng: Rng) -> None:
     normals, _ = _grooved_normals(rng)
-    cases = [(normals, 24), (normals[:50], 50), (normals, 110), (landscape(rng, 49).normals, 30)]
+    cases = [(normals, 24), (normals[:50], 50), (normals, 160), (landscape(rng, 49).normals, 30)]
     answers = [f(*case, int(rng.integers(2**31))) for case in cases]
     for (some, k), answer in zip(cases, f.each(answers), strict=True):
         sample(answer, len(some), k, on=f"{k} of {len(some)} points")
@@ -352,20 +367,24 @@ def _(f: Asked, rng: Rng) -> None:
 
 @NORMAL_SPACE_SAMPLING.check("the walls of a groove are taken as often as the plate", points=2)
 def _(f: Asked, rng: Rng) -> None:
-    normals, label = _grooved_normals(rng)
-    answers = [f(normals, 24, int(seed)) for seed in rng.integers(2**31, size=8)]
-    on = "a plate: 300 normals up, 20 down, and 20 on either wall of a groove; 24 points, with 8 seeds"
-    chosen = np.concatenate([sample(a, len(normals), 24, on=on) for a in answers])
-    counts = np.bincount(label[chosen], minlength=4)
-    # Four directions, 192 draws: 48 each if taken in turn, ± 6 if directions are drawn; five deviations.
-    names = ("plate", "first wall", "second wall", "underside")
-    if not (np.abs(counts - 48) <= 33).all():
-        raise expect.Wrong(
-            "The directions are not taken equally often.",
-            yours=", ".join(f"{name} {count}" for name, count in zip(names, counts, strict=True)),
-            truth="about 48 each",
-            on=on,
-        )
+    # Once with the plate in the plane z = 0, where its normal has no longitude of its own.
+    plates = [_grooved_normals(rng, up) for up in (2, None)]
+    answers = [[f(n, 24, int(seed)) for seed in rng.integers(2**31, size=8)] for n, _ in plates]
+    on = "a plate: 480 normals up, 20 down, 20 on each of the four walls of two grooves; 24 points, 8 seeds"
+    for p, (normals, label) in enumerate(plates):
+        f.about = 8 * p
+        chosen = np.concatenate([sample(a, len(normals), 24, on=on) for a in answers[p]])
+        counts = np.bincount(label[chosen], minlength=6)
+        # Six directions, 192 draws: 32 each if taken in turn, ± 5.2 if directions are drawn; five deviations.
+        # Where two directions of 480 and 20 points share a box, 2 of 192 are expected of the rarer one.
+        if not (np.abs(counts - 32) <= 26).all():
+            walls = ", ".join(map(str, counts[2:]))
+            raise expect.Wrong(
+                "The directions are not taken equally often.",
+                yours=f"plate {counts[0]}, underside {counts[1]}, walls {walls}",
+                truth="about 32 each",
+                on=on,
+            )
 
 
 @NORMAL_SPACE_SAMPLING.check("points of one direction are drawn at random, by the seed")
@@ -375,7 +394,7 @@ def _(f: Asked, rng: Rng) -> None:
     samples = [sample(f(normals, 24, s), len(normals), 24) for s in [*seeds, seeds[0]]]
     same = np.array_equal(samples[0], samples[-1])
     expect.that(same, "The same seed gives another sample: nobody could repeat your experiment.")
-    # Six of 300 points of the plate: that two seeds choose the same has a probability of 1e-12.
+    # Four of 480 points of the plate: that two seeds choose the same has a probability of 1e-9.
     different = len({frozenset(s.tolist()) for s in samples[:3]}) == 3
     expect.that(different, "Two seeds give the same sample: is a point of each direction drawn at random?")
 
@@ -423,7 +442,7 @@ def _(normals: FloatArray, k: int, seed: int) -> Any:
 
 @NORMAL_SPACE_SAMPLING.mistake(
     "the points were drawn without regard to their normals",
-    hint="One point in eighteen is on a wall of the groove. How many of 24 drawn points will be?",
+    hint="One point in seven is on a wall of a groove. How many of 24 drawn points will be?",
 )
 def _(normals: FloatArray, k: int, seed: int) -> Any:
     return np.random.default_rng(seed).choice(len(normals), k, replace=False)
@@ -436,6 +455,19 @@ def _(normals: FloatArray, k: int, seed: int) -> Any:
 def _(normals: FloatArray, k: int, seed: int) -> Any:
     rng = np.random.default_rng(seed)
     return _by_direction(normals, k, rng, lambda n: np.abs(n).argmax(axis=1))
+
+
+@NORMAL_SPACE_SAMPLING.mistake(
+    "normals of the same longitude share a box, at whatever height they point",
+    hint="Which normals have the same arctan2(n_y, n_x)? Does a normal that points up have one at all?",
+)
+def _(normals: FloatArray, k: int, seed: int) -> Any:
+    def longitudes(n: FloatArray) -> IntArray:
+        # Eight, each about an axis or between two of them.
+        eighth = np.round(np.arctan2(n[:, 1].round(9), n[:, 0].round(9)) / (np.pi / 4)).astype(int)
+        return np.asarray(eighth % 8)
+
+    return _by_direction(normals, k, np.random.default_rng(seed), longitudes)
 
 
 @NORMAL_SPACE_SAMPLING.mistake(
@@ -592,10 +624,10 @@ def _(f: Asked, rng: Rng) -> None:
 
 
 def _form(
-    points: FloatArray, normals: FloatArray, *, centred: bool = True, scaled: bool = True, sign: float = 1.0
+    points: FloatArray, normals: FloatArray, *, centred: bool = True, size: Any = np.mean, sign: float = 1.0
 ) -> FloatArray:
     x = points - points.mean(axis=0) if centred else points
-    x = x / np.linalg.norm(x, axis=1).mean() if scaled else x
+    x = x / size(np.linalg.norm(x, axis=1))
     A = np.column_stack([sign * np.cross(x, normals), normals])
     form: FloatArray = A.T @ A / len(A)
     return form
@@ -629,7 +661,23 @@ def _(points: FloatArray, normals: FloatArray) -> Any:
     hint="Give the points in millimetres, then in metres. Should other motions be the weak ones?",
 )
 def _(points: FloatArray, normals: FloatArray) -> Any:
-    return tuple(np.linalg.eigh(_form(points, normals, scaled=False)))
+    return tuple(np.linalg.eigh(_form(points, normals, size=lambda distances: 1.0)))
+
+
+@SLIPPAGE_ANALYSIS.mistake(
+    "the points were scaled by their root mean square distance, not by the mean",
+    hint="Of what does the docstring ask for the mean: of the distances, or of their squares?",
+)
+def _(points: FloatArray, normals: FloatArray) -> Any:
+    return tuple(np.linalg.eigh(_form(points, normals, size=lambda d: np.sqrt((d**2).mean()))))
+
+
+@SLIPPAGE_ANALYSIS.mistake(
+    "the points were scaled by their largest distance, not by the mean",
+    hint="What does the docstring say the unit of length is? What would one outlier do to yours?",
+)
+def _(points: FloatArray, normals: FloatArray) -> Any:
+    return tuple(np.linalg.eigh(_form(points, normals, size=np.max)))
 
 
 @SLIPPAGE_ANALYSIS.mistake(
@@ -790,28 +838,32 @@ def _plate_with_four_notches(rng: Rng) -> Surface:
     )
 
 
-@STABLE_SAMPLING.check("none of the six motions is left out, where other points hold each of them")
+@STABLE_SAMPLING.check("all six motions are held about equally well, where other points hold each of them")
 def _(f: Asked, rng: Rng) -> None:
-    plate = _plate_with_four_notches(rng)
-    holds = _holds(plate.points, plate.normals)
-    on = "30 of 436 points of a plate with two pairs of notches"
-    chosen = sample(f(plate.points, plate.normals, 30), 436, 30, on=on)
-    usual = 30 * float(holds.mean(axis=0).min())
-    least = float(holds[chosen].sum(axis=0).min())
-    # Measured over 40 plates: stable samples hold it 3.7 to 11 times as much, the best points of one motion
-    # and even samples at most 1.5 times.
-    expect.that(
-        least >= HELD * usual,
-        "One of the six motions of the slippage analysis is hardly held by the sample.",
-        yours=f"its points hold that motion {least:.3g} in all",
-        truth=f"random samples hold the weakest {usual:.3g}; above {HELD * usual:.3g} is well possible",
-        on=on,
-        picture=pictures.of_sample(plate.points, chosen),
-    )
-
-
-#: As many times as a random sample holds the weakest motion must a stable one hold each.
-HELD = 2.4
+    cases = [
+        (_plate_with_four_notches(rng), 30, 5.5, "a plate with two pairs of notches"),
+        (_grooved_plate(rng), 40, 6.4, "a plate with two grooves"),
+        (_dented_ball(rng), 40, 4.8, "a dented ball"),
+    ]
+    answers = [f(surface.points, surface.normals, k) for surface, k, _, _ in cases]
+    for (surface, k, held, name), answer in zip(cases, f.each(answers), strict=True):
+        n = len(surface.points)
+        holds = _holds(surface.points, surface.normals)
+        on = f"{k} of {n} points of {name}"
+        chosen = sample(answer, n, k, on=on)
+        usual = k * float(holds.mean(axis=0).min())
+        least = float(holds[chosen].sum(axis=0).min())
+        # Over 150 of each surface, stable samples hold the weakest motion at least 5.9, 6.7 and 5.1 times as
+        # much as random ones do. No sample that looks at the last point only, or adds up with a sign what the
+        # points hold, reached all three bounds.
+        expect.that(
+            least >= held * usual,
+            "One of the six motions of the slippage analysis is held less by the sample than it could be.",
+            yours=f"its points hold that motion {least:.3g} in all",
+            truth=f"random samples hold the weakest {usual:.3g}; above {held * usual:.3g} is well possible",
+            on=on,
+            picture=pictures.of_sample(surface.points, chosen),
+        )
 
 
 def _holds(points: FloatArray, normals: FloatArray) -> FloatArray:
@@ -821,11 +873,14 @@ def _holds(points: FloatArray, normals: FloatArray) -> FloatArray:
     return holds
 
 
-def _greedy(holds: FloatArray, k: int, best: float = 1.0) -> list[int]:
-    """Take, again and again, the point that holds best (with -1: least) what the chosen ones hold least."""
+def _greedy(holds: FloatArray, k: int, best: float = 1.0, looks_back: int | None = None) -> list[int]:
+    """Take, again and again, the point that holds best (with -1: least) what the chosen ones hold least.
+
+    Of the chosen ones, only so many as it `looks_back` count.
+    """
     chosen: list[int] = []
     while len(chosen) < k:
-        total = holds[chosen].sum(axis=0)
+        total = holds[chosen if looks_back is None else chosen[-looks_back:]].sum(axis=0)
         weakest = best * holds[:, int(total.argmin())]
         weakest[chosen] = -np.inf
         chosen.append(int(weakest.argmax()))
@@ -901,3 +956,20 @@ def _(points: FloatArray, normals: FloatArray, k: int) -> Any:
 )
 def _(points: FloatArray, normals: FloatArray, k: int) -> Any:
     return _greedy(_holds(points, normals), k, best=-1.0)
+
+
+@STABLE_SAMPLING.mistake(
+    "the holds were not added up: only the last point that was taken counts",
+    hint="Three points are chosen. What is in your sum: what the three hold, or the last of them?",
+)
+def _(points: FloatArray, normals: FloatArray, k: int) -> Any:
+    return _greedy(_holds(points, normals), k, looks_back=1)
+
+
+@STABLE_SAMPLING.mistake(
+    "the speeds were added up with their signs, not squared",
+    hint="One point leaves the surface at speed 1, another at −1. How well do they hold the motion together?",
+)
+def _(points: FloatArray, normals: FloatArray, k: int) -> Any:
+    _, motions = np.linalg.eigh(_form(points, normals))
+    return _greedy(_speeds(Surface(points, normals), motions), k)

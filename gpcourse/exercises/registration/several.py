@@ -120,6 +120,13 @@ def _(source: FloatArray, target: FloatArray, R: FloatArray, t: FloatArray, max_
     return _near(source @ R + t, target, max_distance)
 
 
+@OVERLAP_MASK.mistake(
+    "the translation was left out", hint="In R x + t, what happens to the origin? And in your code?"
+)
+def _(source: FloatArray, target: FloatArray, R: FloatArray, t: FloatArray, max_distance: float) -> Any:
+    return _near(source @ R.T, target, max_distance)
+
+
 @OVERLAP_MASK.mistake("the translation was added before the rotation", hint="In R x + t, what is done first?")
 def _(source: FloatArray, target: FloatArray, R: FloatArray, t: FloatArray, max_distance: float) -> Any:
     return _near((source + t) @ R.T, target, max_distance)
@@ -487,6 +494,16 @@ class _OneByOne(_InTurn):
         return [i for i in range(1, n) for _ in range(rounds)]
 
 
+class _EarlierOnly(_InTurn):
+    def target(self, scans: Sequence[Surface], placed: Sequence[Motion], i: int) -> Surface:
+        return _joined([scans[j].moved(*placed[j]) for j in range(i)])
+
+
+class _OncePerScan(_InTurn):
+    def order(self, n: int, rounds: int) -> Sequence[int]:
+        return range(1, n)
+
+
 class _FirstOnly(_InTurn):
     def target(self, scans: Sequence[Surface], placed: Sequence[Motion], i: int) -> Surface:
         return scans[0].moved(*placed[0])
@@ -579,6 +596,14 @@ ALIGN_SCANS.mistake(
     "each scan was aligned with the one before it only",
     hint="Add up the errors of the pairs on the way around. Where do they meet the first scan?",
 )(_declare(_OneByOne))
+ALIGN_SCANS.mistake(
+    "each scan was aligned with those before it only",
+    hint="Scan 1 meets the last scan too. When does your loop look at that pair from the side of scan 1?",
+)(_declare(_EarlierOnly))
+ALIGN_SCANS.mistake(
+    "each scan was moved once only",
+    hint="When scan 2 has moved, scan 1 has a new target. Which argument says how often to match and move?",
+)(_declare(_OncePerScan))
 ALIGN_SCANS.mistake(
     "every scan was aligned with the first one only",
     hint="What do the scans of the front and of the back have in common?",

@@ -819,19 +819,22 @@ BETTER = 4.0
 
 
 def _plate_with_four_notches(rng: Rng) -> Surface:
-    """Return a plate: two notches keep it from sliding along x, two along y, and all of them from turning."""
+    """Return a plate: two notches keep it from sliding along x, two along y, and all of them from turning.
+
+    Those along y are flatter, so that more points are needed to hold that motion as well.
+    """
     points = [np.column_stack([rng.uniform(-1, 1, size=(360, 2)), np.zeros(360)])]
     normals = [np.tile([0.0, 0.0, 1.0], (360, 1))]
     # In each more points than a sample may have, and a turn moves the outer ones more: whichever motion one
     # looks at, those that hold it best are all in one pair of notches.
-    for axis, n, out in ((0, 32, 0.9), (1, 44, 0.6)):
+    for axis, n, out, slope in ((0, 32, 0.9, 1.0), (1, 44, 0.6, 0.4)):
         side, end = np.tile([-1.0, 1.0], n // 2), np.repeat([-out, out], n // 2)
         depth, wall, normal = rng.uniform(0, 0.1, size=n), np.zeros((n, 3)), np.zeros((n, 3))
-        wall[:, axis], wall[:, 2] = side * (0.1 - depth), -depth
+        wall[:, axis], wall[:, 2] = side * (0.1 - depth), -slope * depth
         wall[:, 1 - axis] = end + rng.uniform(-0.1, 0.1, size=n)
-        normal[:, axis], normal[:, 2] = -side, 1.0
+        normal[:, axis], normal[:, 2] = -slope * side, 1.0
         points.append(wall)
-        normals.append(normal / 2**0.5)
+        normals.append(normal / (1 + slope**2) ** 0.5)
     order = rng.permutation(436)
     return Surface(np.concatenate(points)[order], np.concatenate(normals)[order]).moved(
         *random_motion(rng, 5.0)
@@ -840,30 +843,26 @@ def _plate_with_four_notches(rng: Rng) -> Surface:
 
 @STABLE_SAMPLING.check("all six motions are held about equally well, where other points hold each of them")
 def _(f: Asked, rng: Rng) -> None:
-    cases = [
-        (_plate_with_four_notches(rng), 30, 5.5, "a plate with two pairs of notches"),
-        (_grooved_plate(rng), 40, 6.4, "a plate with two grooves"),
-        (_dented_ball(rng), 40, 4.8, "a dented ball"),
-    ]
-    answers = [f(surface.points, surface.normals, k) for surface, k, _, _ in cases]
-    for (surface, k, held, name), answer in zip(cases, f.each(answers), strict=True):
-        n = len(surface.points)
-        holds = _holds(surface.points, surface.normals)
-        on = f"{k} of {n} points of {name}"
-        chosen = sample(answer, n, k, on=on)
-        usual = k * float(holds.mean(axis=0).min())
-        least = float(holds[chosen].sum(axis=0).min())
-        # Over 150 of each surface, stable samples hold the weakest motion at least 5.9, 6.7 and 5.1 times as
-        # much as random ones do. No sample that looks at the last point only, or adds up with a sign what the
-        # points hold, reached all three bounds.
-        expect.that(
-            least >= held * usual,
-            "One of the six motions of the slippage analysis is held less by the sample than it could be.",
-            yours=f"its points hold that motion {least:.3g} in all",
-            truth=f"random samples hold the weakest {usual:.3g}; above {held * usual:.3g} is well possible",
-            on=on,
-            picture=pictures.of_sample(surface.points, chosen),
-        )
+    plate = _plate_with_four_notches(rng)
+    holds = _holds(plate.points, plate.normals)
+    on = "30 of 436 points of a plate with two pairs of notches, one of them flatter"
+    chosen = sample(f(plate.points, plate.normals, 30), 436, 30, on=on)
+    usual = 30 * float(holds.mean(axis=0).min())
+    least = float(holds[chosen].sum(axis=0).min())
+    # Over 100 plates, stable samples hold it 6.9 to 8.3 times as much as random ones, those that look at the
+    # last point only at most 5.2 times, those that add up speeds with their signs at most 6.0 times.
+    expect.that(
+        least >= HELD * usual,
+        "One of the six motions of the slippage analysis is held less by the sample than it could be.",
+        yours=f"its points hold that motion {least:.3g} in all",
+        truth=f"random samples hold the weakest {usual:.3g}; above {HELD * usual:.3g} is well possible",
+        on=on,
+        picture=pictures.of_sample(plate.points, chosen),
+    )
+
+
+#: As many times as a random sample holds the weakest motion must a stable one hold each.
+HELD = 6.4
 
 
 def _holds(points: FloatArray, normals: FloatArray) -> FloatArray:

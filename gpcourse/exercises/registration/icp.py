@@ -440,6 +440,16 @@ class _NotLimited(_Loop):
         return distances <= np.quantile(distances, keep)
 
 
+class _OneRuleIsEnough(_Loop):
+    def kept(self, distances: FloatArray, keep: float, max_distance: float) -> Any:
+        return (distances <= np.quantile(distances, keep)) | (distances <= max_distance)
+
+
+class _PartOfTheLargest(_Loop):
+    def kept(self, distances: FloatArray, keep: float, max_distance: float) -> Any:
+        return (distances <= keep * distances.max()) & (distances <= max_distance)
+
+
 class _StopsOnShift(_Loop):
     def done(self, history: list[float], step: Motion, tolerance: float) -> bool:
         return bool(np.linalg.norm(step[1]) < tolerance)
@@ -585,6 +595,14 @@ ICP.mistake(
     "max_distance was not used",
     hint="An outlier has a nearest point too. How far away is it?",
 )(_declare(_NotLimited))
+ICP.mistake(
+    "a pair that passes one of the two rules was kept",
+    hint="A pair is among the closest, and still too far apart. Should it count?",
+)(_declare(_OneRuleIsEnough))
+ICP.mistake(
+    "the pairs up to a part of the largest distance were kept, not that part of the pairs",
+    hint="One wild pair doubles the largest distance. Should it change which others are kept?",
+)(_declare(_PartOfTheLargest))
 ICP.mistake(
     "the loop stopped because ‖t‖ of a step was small, while the rotation was still at work",
     hint="Turn a symmetric cloud about its centre: how long is t in each step?",

@@ -548,6 +548,15 @@ def _(p: FloatArray, q: FloatArray, normals: FloatArray) -> Any:
 
 
 @POINT_TO_PLANE_STEP.mistake(
+    "t has the wrong sign, R the right one",
+    hint="Shift a cloud by (1, 0, 0), and find that motion. Which t brings q to p?",
+)
+def _(p: FloatArray, q: FloatArray, normals: FloatArray) -> Any:
+    solution = _linear(p, q, normals)
+    return _exponential(solution[:3]), -solution[3:]
+
+
+@POINT_TO_PLANE_STEP.mistake(
     "the linearised matrix I + [r]× was returned as the rotation",
     hint="Multiply your R by its transpose. By how much is it off when the turn is 30°?",
 )

@@ -30,7 +30,7 @@ from gpcourse.reference import registration as reference
 def _traits(arguments: tuple[Any, ...], value: Any) -> list[Any]:
     """Canonical form of a random sample: what does not depend on the draws."""
     n, k = arguments[0], arguments[1]
-    chosen = np.asarray(value, dtype=int)
+    chosen = expect.indices(value)
     ordered = np.sort(chosen)
     steps = np.diff(ordered)
     # Of 25 draws from 30 some repeat, with a probability of 1 − 1e-9; of 4 draws from 10 they need not.
@@ -320,15 +320,15 @@ def _(points: FloatArray, k: int) -> Any:
 def _shares(arguments: tuple[Any, ...], value: Any) -> list[Any]:
     """Canonical form of a sample by normals: how the directions share it, roughly, and repeats."""
     normals, k = np.asarray(arguments[0]), arguments[1]
-    chosen = np.asarray(value, dtype=int)
+    chosen = expect.indices(value)
     label = np.unique(normals.round(6), axis=0, return_inverse=True)[1].ravel()
     counts = np.bincount(label[chosen], minlength=label.max() + 1)
     known = len(counts) == 6 and k == 24
     own = bool(known and np.array_equal(chosen, _by_direction(normals, k, None)))
     repeated = len(np.unique(chosen)) < len(chosen)
     # If one direction has nearly all points, how few each of the others has is chance.
-    most = bool(known and counts.max() > 14)
-    return [len(chosen), repeated, own, most, ((counts < 2) & (known and not most)).tolist()]
+    most = int(counts.argmax()) if known and counts.max() > 14 else -1
+    return [len(chosen), repeated, own, most, ((counts < 2) & (known and most < 0)).tolist()]
 
 
 NORMAL_SPACE_SAMPLING = Exercise(

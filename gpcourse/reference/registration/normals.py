@@ -44,7 +44,8 @@ def estimate_normals(points: FloatArray, k: int = 16, *, towards: FloatArray | N
     # Neighbours in space are neighbours in memory, for the tree and for what is read at its answers.
     order = morton_order(points)
     points = points[order]
-    tree = cKDTree(points, balanced_tree=False, compact_nodes=False)
+    # Leaves of 20 points in boxes that fit them take a fifth less time than 10 in boxes that do not.
+    tree = cKDTree(points, leafsize=20, balanced_tree=False)
     coordinates = np.ascontiguousarray(points.T)
     normals = np.empty_like(points)
     for start in range(0, len(points), _BLOCK):

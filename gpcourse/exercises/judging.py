@@ -80,9 +80,10 @@ class Asked:
             raise NoAnswer(answer)
         return answer.value
 
-    def each(self, answers: Sequence[Value], start: int = 0) -> Iterator[Value]:
-        """Yield the answers to the questions from number `start` on, one after the other, to be looked at."""
-        for self.about, value in enumerate(answers, start):
+    def each(self, answers: Sequence[Value]) -> Iterator[Value]:
+        """Yield the answers to the last questions, one after the other, to be looked at."""
+        first = len(self.questions) - len(answers)
+        for self.about, value in enumerate(answers, first):
             yield value
         self.about = -1
 

@@ -15,7 +15,7 @@ import re
 import symtable
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from types import CodeType
 from typing import Any
@@ -242,9 +242,8 @@ def _plain_line(line: str) -> str | None:
 
 
 def _analyse(number: int, node: ast.stmt, lines: Sequence[bytes]) -> Statement:
-    names = _Names()
-    names.look(node)
-    binds, reads, defines = set(names.changed), set(names.changed), set()
+    changed = frozenset(_changes(node))
+    binds, reads, defines = set(changed), set(changed), set()
     try:
         table = symtable.symtable(_text(node, lines), "<cell>", "exec")
     except (SyntaxError, RecursionError, ValueError):  # compiling the statement will say so
@@ -263,7 +262,7 @@ def _analyse(number: int, node: ast.stmt, lines: Sequence[bytes]) -> Statement:
         node,
         frozenset(binds),
         frozenset(reads),
-        calls=frozenset(reads & names.called - names.read),
+        calls=frozenset(reads) & _only_called(node),
         defines=frozenset(defines),
         fills=frozenset(binds - defines) if _fills(node) else frozenset(),
         always=star or _sets_recursion(node),
@@ -283,49 +282,22 @@ def _text(node: ast.stmt, lines: Sequence[bytes]) -> str:
     return b"\n".join(chosen).decode("utf-8", "replace")
 
 
-@dataclass
-class _Names:
-    """The names in a statement: what its expressions call, read otherwise, and change in place."""
-
-    called: set[str] = field(default_factory=set)
-    read: set[str] = field(default_factory=set)
-    changed: set[str] = field(default_factory=set)
-
-    def look(self, node: ast.AST) -> None:
-        """Walk through a statement. Functions change what they are given when they are called, not now."""
-        waiting = [(node, False)]
-        while waiting:
-            inner, inside = waiting.pop()
-            kind = type(inner)
-            if kind is ast.Name:
-                if type(inner.ctx) is ast.Load:  # type: ignore[attr-defined]
-                    self.read.add(inner.id)  # type: ignore[attr-defined]
-                continue
-            if not inside:
-                self._note_change(inner)
-                inside = kind in _FUNCTIONS
-            for name in inner._fields:
-                value = getattr(inner, name, None)
-                if type(value) is list:
-                    waiting.extend((child, inside) for child in value if isinstance(child, ast.AST))
-                elif kind is ast.Call and type(value) is ast.Name:
-                    self.called.add(value.id)
-                elif isinstance(value, ast.AST) and name != "ctx":
-                    waiting.append((value, inside))
-
-    def _note_change(self, inner: ast.AST) -> None:
-        """Note what is changed: ``a[0] = 1``, ``a.b = 1``, ``a.append(1)`` change a."""
-        target: Any = None
-        if isinstance(inner, (ast.Subscript, ast.Attribute)) and isinstance(inner.ctx, ast.Store):
-            target = inner.value
-        elif isinstance(inner, ast.Expr) and isinstance(inner.value, ast.Call):
-            method = inner.value.func
-            if isinstance(method, ast.Attribute) and method.attr in MUTATORS:
-                target = method.value
-        while isinstance(target, (ast.Subscript, ast.Attribute)):
-            target = target.value
-        if isinstance(target, ast.Name):
-            self.changed.add(target.id)
+def _only_called(node: ast.stmt) -> frozenset[str]:
+    """Return the names that a statement calls, and that it does not read otherwise."""
+    called: set[str] = set()
+    other: set[str] = set()
+    waiting: list[ast.AST] = [node]
+    while waiting:
+        inner = waiting.pop()
+        if isinstance(inner, ast.Call) and isinstance(inner.func, ast.Name):
+            called.add(inner.func.id)
+            waiting += [*inner.args, *inner.keywords]
+        elif isinstance(inner, ast.Name):
+            if isinstance(inner.ctx, ast.Load):
+                other.add(inner.id)
+        else:
+            waiting.extend(ast.iter_child_nodes(inner))
+    return frozenset(called - other)
 
 
 def _fills(node: ast.stmt) -> bool:
@@ -340,6 +312,29 @@ def _globals(tables: Sequence[symtable.SymbolTable]) -> Iterator[str]:
     for table in tables:
         yield from (symbol.get_name() for symbol in table.get_symbols() if symbol.is_global())
         yield from _globals(table.get_children())
+
+
+def _changes(node: ast.AST) -> Iterator[str]:
+    """Yield the names whose values are changed in place: ``a[0] = 1``, ``a.b = 1``, ``a.append(1)``."""
+    for inner in _outside_functions(node):
+        target: Any = None
+        if isinstance(inner, (ast.Subscript, ast.Attribute)) and isinstance(inner.ctx, ast.Store):
+            target = inner.value
+        elif isinstance(inner, ast.Expr) and isinstance(inner.value, ast.Call):
+            method = inner.value.func
+            if isinstance(method, ast.Attribute) and method.attr in MUTATORS:
+                target = method.value
+        while isinstance(target, (ast.Subscript, ast.Attribute)):
+            target = target.value
+        if isinstance(target, ast.Name):
+            yield target.id
+
+
+def _outside_functions(node: ast.AST) -> Iterator[ast.AST]:
+    yield node
+    if not isinstance(node, _FUNCTIONS):
+        for child in ast.iter_child_nodes(node):
+            yield from _outside_functions(child)
 
 
 def _sets_recursion(node: ast.stmt) -> bool:

@@ -15,7 +15,7 @@ import re
 import symtable
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from types import CodeType
 from typing import Any
@@ -90,12 +90,14 @@ class Statement:
     defines: frozenset[str] = frozenset()
     fills: frozenset[str] = frozenset()
     always: bool = False
+    _codes: dict[int, CodeType] = field(default_factory=dict, repr=False, compare=False)
 
     def compile(self, flags: int) -> CodeType:
-        """Compile it, so that errors quote its cell and line."""
-        module = ast.Module([self.node], type_ignores=[])
-        code: CodeType = compile(module, f"<cell {self.cell}>", "exec", flags, dont_inherit=True)
-        return code
+        """Compile it, once for all functions that need it, so that errors quote its cell and line."""
+        if flags not in self._codes:
+            module = ast.Module([self.node], type_ignores=[])
+            self._codes[flags] = compile(module, f"<cell {self.cell}>", "exec", flags, dont_inherit=True)
+        return self._codes[flags]
 
 
 class Program:

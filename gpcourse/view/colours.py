@@ -19,12 +19,12 @@ PALETTE = {
     "white": "#ffffff",
     "blue": "#0b5fa5",
     "sky": "#56b4e9",
-    "green": "#00805f",
+    "green": "#009e73",
     "yellow": "#e8c13a",
     "orange": "#e08a00",
     "red": "#c8450c",
     "pink": "#c2187a",
-    "purple": "#6a3d9a",
+    "purple": "#9b6bd0",
 }
 
 #: The two sides of a surface, and what is drawn on it.

@@ -64,7 +64,7 @@ def pack(frames: tuple[Scene, ...]) -> tuple[str, str]:
     columns = [[scene.panels[i] for scene in frames] for i in range(len(frames[0].panels))]
     boxes = [_box(column) for column in columns]
     header = {
-        "cameras": [_camera(column) for column in columns],
+        "cameras": [_camera(column, *box) for column, box in zip(columns, boxes, strict=True)],
         "boxes": [{"low": low.tolist(), "size": size} for low, size in boxes],
         "frames": [_frame(scene, boxes, block) for scene in frames],
         "alt": frames[0].alt,
@@ -93,7 +93,8 @@ def _box(panels: list[Panel]) -> tuple[FloatArray, float]:
     return low, float(np.ptp(everything, axis=0).max()) or 1.0
 
 
-def _camera(panels: list[Panel]) -> dict[str, Any]:
+def _camera(panels: list[Panel], low: FloatArray, size: float) -> dict[str, Any]:
+    """Return the camera in the coordinates of the page, where the box is the unit cube."""
     camera = panels[0].camera
     axes = view_axes(camera)
     layers = [layer for panel in panels for layer in panel.layers]
@@ -102,7 +103,12 @@ def _camera(panels: list[Panel]) -> dict[str, Any]:
     depth = np.concatenate(clouds) @ axes[2]
     focus = middle @ axes[:2] + 0.5 * float(depth.min() + depth.max()) * axes[2]
     reach = float(np.hypot(np.ptp(depth), 2 * half.max()))
-    return {"axes": axes.ravel().tolist(), "focus": focus.tolist(), "half": half.tolist(), "reach": reach}
+    return {
+        "axes": axes.ravel().tolist(),
+        "focus": ((focus - low) / size).tolist(),
+        "half": (half / size).tolist(),
+        "reach": reach / size,
+    }
 
 
 def _frame(scene: Scene, boxes: list[tuple[FloatArray, float]], block: Block) -> list[dict[str, Any]]:

@@ -27,12 +27,22 @@ class Page:
         self._transform = Affine2D().scale(1 / 72) + figure.dpi_scale_trans
         self._count = 0
         self._clip: Any = None
+        self._box: tuple[float, float, float, float] | None = None
 
     def clip(self, box: tuple[float, float, float, float] | None) -> None:
         """Confine what follows to a box (left, bottom, width, height)."""
         from matplotlib.transforms import Bbox, TransformedBbox
 
+        self._box = box
         self._clip = box and TransformedBbox(Bbox.from_bounds(*box), self._transform)
+
+    def has_room(self, centre: FloatArray, half: FloatArray) -> bool:
+        """Tell whether at least the middle of a text lies in the box, so that it can be read."""
+        if self._box is None:
+            return True
+        left, bottom, width, height = self._box
+        low, high = np.array([left, bottom]), np.array([left + width, bottom + height])
+        return bool(((centre - 0.5 * half >= low) & (centre + 0.5 * half <= high)).all())
 
     def add(self, artist: Any, *, placed_already: bool = False) -> None:
         """Put `artist`, measured in points, on top of all that is there."""

@@ -253,7 +253,7 @@ class Painter:
             along = (heads[i] - tails[i]) / length[i]
             steps = np.array([0.0, -0.12, 0.12, -0.22]) * length[i]
             place = self.taken.free(flat[i] + side[i] * reach + steps[:, None] * along, half)
-            if place is None:
+            if place is None or not self.page.has_room(place, half):
                 continue
             self.taken.add(place, half)
             paths.append(placed(layer.labels[i], place, size, bold=layer.width > 1.5))
@@ -287,7 +287,7 @@ class Painter:
             bold = layer.place == "badge"
             half = np.array([width(layer.texts[i], size, bold=bold) / 2 + 0.6, MIDDLE * size + 0.6])
             place = self._label_place(layer, flat[i], half, flat[i] - middle)
-            if place is None:
+            if place is None or not self.page.has_room(place, half):
                 continue
             spot = place
             self.taken.add(spot, half)

@@ -69,8 +69,20 @@ def test_a_mesh_is_drawn_and_covers_a_fair_part(opened):
     assert 0.3 < covered(pixels(page)) < 0.95
 
 
+def test_neither_place_nor_size_of_a_mesh_matter(opened):
+    """A graphics card has numbers of 32 bits."""
+    torus, found = shapes.torus(40, 30), []
+    for changed in (torus.vertices, 3e7 + torus.vertices, 1e-11 * torus.vertices, 1e14 * torus.vertices):
+        page, _ = opened(view.mesh((changed, torus.faces)))
+        found.append(pixels(page))
+    for image in found[1:]:
+        assert np.abs(image - found[0]).mean() < 0.5
+
+
 def test_the_vertex_under_the_pointer_is_said_with_its_value(opened):
     page, frame = opened(view.mesh(SQUARE, [1.5, -2.25, 3.0, 0.125], value_name="u", direction=(0, 0, 1)))
+    picture = frame.get_by_role("img")  # for whoever does not see it
+    assert picture.get_attribute("aria-label").endswith("colour shows u, from -2.25 to 3.")
     said = {ask(page, frame, x, y) for x in (0.15, 0.65) for y in (0.25, 0.9)}
     assert {line.split(",")[0] + line.split("\n")[1] for line in said if line} == {
         "vertex 0u 1.5", "vertex 1u −2.25", "vertex 2u 3", "vertex 3u 0.125",
@@ -161,6 +173,27 @@ def test_edges_shading_and_isolines_change_what_is_drawn(opened, rings, buttons)
         page.wait_for_timeout(100)
         seen.append(pixels(page))
         assert covered(np.abs(seen[-1] - seen[-2])) > 0.005, name
+
+
+def test_isolines_run_at_the_numbers_of_the_colour_bar_and_half_way(opened):
+    square = view.mesh(SQUARE, [0.0, 1, 1, 0], edges=False, direction=(0, 0, 1), colour_map="cividis")
+    page, frame = opened(square)
+    assert frame.locator(".bar span").all_text_contents() == ["0", "0.25", "0.5", "0.75", "1"]
+    frame.get_by_role("button", name="isolines").click()
+    page.mouse.move(2, 2)
+    page.wait_for_timeout(100)
+    seen = pixels(page)
+    row = seen[seen.shape[0] // 3]
+    first, last = np.flatnonzero((row[:-70] < 250).any(axis=1))[[0, -1]]
+    light = row[first : last + 1].sum(axis=1)
+    middle = np.median(np.lib.stride_tricks.sliding_window_view(light, 9), axis=1)
+    depth = np.maximum(middle - light[4:-4], 0)
+    place = (np.arange(len(depth)) + 4.5) / len(light)
+    lines = [depth[np.abs(place - k / 8) < 0.01].sum() for k in range(1, 8)]
+    between = depth[np.abs((8 * place + 0.5) % 1 - 0.5) > 0.1]
+    assert min(lines) > 30 > 3 * between.max()
+    thicker = [lines[k] / np.mean([lines[k - 1], lines[k + 1]]) for k in (1, 3, 5)]  # at the numbers
+    assert min(thicker) > 1.4
 
 
 def test_the_slider_moves_to_the_next_frame(opened):

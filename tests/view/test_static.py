@@ -334,6 +334,19 @@ def test_no_figure_is_left_behind():
     assert pyplot.get_fignums() == []
 
 
+def test_a_number_that_the_frame_would_cut_is_left_out():
+    mesh = scene.Mesh(*CUBE)
+    camera = scene.Camera((0, 0, 1), (0, 1, 0), focus=(0, 0, 0), radius=1)
+    drawn = []
+    for y in (0.5, 1.08, 1.5):
+        words = scene.Labels([[0, y, 0]], ("8",), ("#ff00ff",), size=9, hidden="show")
+        drawn.append(
+            share(view.Picture(scene.Scene((scene.Panel((mesh, words), camera=camera),))), "#ff00ff")
+        )
+    assert drawn[0] > 5e-5
+    assert drawn[1:] == [0, 0]
+
+
 def test_a_pdf_of_a_scene_is_the_same_bytes_every_time(tmp_path):
     for name in ("a.pdf", "b.pdf"):
         view.mesh(CUBE, range(8), value_name="a long name of values").save(tmp_path / name)

@@ -42,6 +42,7 @@ const write = (pen, panel, { look, cell, dark, project, under }) => {
     const places = candidates(word, w, h, middle, look, project), place = places.find((p) => free(p, w, h));
     if (!place && (l.a || l.texts.length > CROWD)) continue;
     const [x, y] = place || places[0];
+    if (x - w / 2 < cell.x || x + w / 2 > cell.x + cell.w || y - h / 2 < cell.y || y + h / 2 > cell.y + cell.h) continue;  // could not be read
     stamp(pen, [x, y], word, w, h, dark && !badge && !inFront(x, y, word.z).on);
     taken.push([x, y, badge ? Math.max(w, 0.9 * size) : w, badge ? 0.9 * size : h]);
   }

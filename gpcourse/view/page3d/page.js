@@ -32,11 +32,8 @@ const boot = async (kept) => {
     }
     return out;
   };
-  const places = (entry, box) => {
-    const code = numbers(entry), out = new Float32Array(code.length), s = box.size / 65535;
-    for (let i = 0; i < code.length; i++) out[i] = code[i] * s + box.low[i % 3];
-    return out;
-  };
+  /* In the unit cube, as cameras are: 32 bits would not do for a small mesh far away. */
+  const places = (entry) => Float32Array.from(numbers(entry), (c) => c / 65535);
   const values = ({ codes, low, high }) =>
     Float32Array.from(numbers(codes), (c) => (c === 65535 ? NaN : low + ((high - low) * c) / 65534));
 
@@ -115,8 +112,8 @@ const boot = async (kept) => {
       rods: few ? array(() => { attribute(stroke, "a", ends_(0), 3, 1); attribute(stroke, "b", ends_(1), 3, 1); }) : null,
     };
   };
-  const prepareMesh = (layer, box) => {
-    const at = places(layer.at, box), corners = numbers(layer.corners), wide = layer.corners.w === 2 ? 65536 : 4294967296;
+  const prepareMesh = (layer) => {
+    const at = places(layer.at), corners = numbers(layer.corners), wide = layer.corners.w === 2 ? 65536 : 4294967296;
     for (let i = 3; i < corners.length; i++) corners[i] = (corners[i] + corners[i - 3]) % wide;
     const many = typeof layer.sizes === "number" ? null : numbers(layer.sizes);
     const count = many ? many.length : layer.sizes ? corners.length / layer.sizes : 0;
@@ -167,21 +164,21 @@ const boot = async (kept) => {
     const fill = () => { attribute(stroke, "a", a, 3, 1); attribute(stroke, "b", b, 3, 1); attribute(stroke, "colour", colours, 3, 1); };
     return { n, vao: array(fill) };
   };
-  const prepare = (layer, box, scale) => {
-    if (layer.kind === "mesh") return prepareMesh(layer, box);
+  const prepare = (layer, scale) => {
+    if (layer.kind === "mesh") return prepareMesh(layer);
     if (layer.kind === "points") {
-      const at = places(layer.at, box), n = at.length / 3, v = layer.values ? values(layer.values) : null;
+      const at = places(layer.at), n = at.length / 3, v = layer.values ? values(layer.values) : null;
       const colours = repeated(layer.colours, n);
       if (v && scale) for (let i = 0; i < n; i++) colours.set(colourOf(v[i], scale), 3 * i);
       return { kind: "points", at, v, grain: v && grain(layer.values), n, unit: "value", size: layer.size, hidden: layer.hidden, vao: array(() => { attribute(dot, "x", at, 3); attribute(dot, "colour", colours, 3); }) };
     }
     if (layer.kind === "arrows") {
-      const a = places(layer.tails, box), b = places(layer.heads, box);
+      const a = places(layer.tails), b = places(layer.heads);
       const middle = a.map((x, i) => (x + b[i]) / 2), sides = layer.sides && Float32Array.from(numbers(layer.sides), (c) => c - 127);
       return { kind: "strokes", width: layer.width, hidden: layer.hidden, heads: true, ...strokes(a, b, repeated(layer.colours, a.length / 3)), a, b, sides, at: middle, texts: layer.texts, colours: layer.colours };
     }
     if (layer.kind === "curves") {
-      const at = places(layer.at, box), a = [], b = [], c = [];
+      const at = places(layer.at), a = [], b = [], c = [];
       let start = 0;
       layer.lengths.forEach((n, line) => {
         for (let i = start; i + 1 < start + n; i++) { a.push(...at.slice(3 * i, 3 * i + 3)); b.push(...at.slice(3 * i + 3, 3 * i + 6)); c.push(...rgb(layer.colours[line % layer.colours.length])); }
@@ -189,14 +186,14 @@ const boot = async (kept) => {
       });
       return { kind: "strokes", width: layer.width, hidden: layer.hidden, heads: false, ...strokes(Float32Array.from(a), Float32Array.from(b), Float32Array.from(c)), texts: [] };
     }
-    return { kind: "labels", at: places(layer.at, box), texts: layer.texts, colours: layer.colours, place: layer.place, hidden: layer.hidden };
+    return { kind: "labels", at: places(layer.at), texts: layer.texts, colours: layer.colours, place: layer.place, hidden: layer.hidden };
   };
   const ready = new Map();
   const shown = (f) => {
     if (!ready.has(f))
-      ready.set(f, header.frames[f].map((panel, i) => ({
+      ready.set(f, header.frames[f].map((panel) => ({
         title: panel.title, scale: panel.scale, lookup: panel.scale ? lookup(panel.scale) : null,
-        layers: panel.layers.map((layer) => prepare(layer, header.boxes[i], panel.scale)),
+        layers: panel.layers.map((layer) => prepare(layer, panel.scale)),
       })));
     return ready.get(f);
   };

@@ -62,7 +62,7 @@ def begin_and_wait(folder, out, done):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are those of POSIX")
-def test_a_run_that_was_killed_twice_is_gone_on_with(folder, tmp_path):
+def test_a_run_that_was_killed_twice_is_gone_on_with(interruptible, folder, tmp_path):
     whole = files(grade(folder, tmp_path / "whole", junit=True).out)
     out = tmp_path / "out"
     rng = random.Random(os.getpid())

@@ -71,6 +71,8 @@ class Statement:
     fills : frozenset of str
         Of those it binds, the ones that get no function from it, as far as can be told: the
         variables of a loop, a number, a list.
+    declares : bool
+        Whether a function in it says ``global``.
     always : bool
         Whether every function needs it.
     """
@@ -82,6 +84,7 @@ class Statement:
     calls: frozenset[str] = frozenset()
     defines: frozenset[str] = frozenset()
     fills: frozenset[str] = frozenset()
+    declares: bool = False
     always: bool = False
 
     def compile(self, flags: int) -> CodeType:
@@ -265,7 +268,8 @@ def _analyse(number: int, node: ast.stmt, lines: Sequence[bytes]) -> Statement:
             reads.add(symbol.get_name())
         if symbol.is_namespace():
             defines.add(symbol.get_name())
-    reads.update(_globals(table.get_children()))
+    inner = list(_globals(table.get_children()))
+    reads.update(symbol.get_name() for symbol in inner)
     star = isinstance(node, ast.ImportFrom) and any(alias.name == "*" for alias in node.names)
     return Statement(
         number,
@@ -275,6 +279,7 @@ def _analyse(number: int, node: ast.stmt, lines: Sequence[bytes]) -> Statement:
         calls=frozenset(reads) & _only_called(node),
         defines=frozenset(defines),
         fills=frozenset(binds - defines) if _fills(node) else frozenset(),
+        declares=any(symbol.is_declared_global() for symbol in inner),
         always=star or _sets_recursion(node),
     )
 
@@ -318,9 +323,9 @@ def _fills(node: ast.stmt) -> bool:
     return isinstance(node, (ast.For, ast.While, ast.With))
 
 
-def _globals(tables: Sequence[symtable.SymbolTable]) -> Iterator[str]:
+def _globals(tables: Sequence[symtable.SymbolTable]) -> Iterator[symtable.Symbol]:
     for table in tables:
-        yield from (symbol.get_name() for symbol in table.get_symbols() if symbol.is_global())
+        yield from (symbol for symbol in table.get_symbols() if symbol.is_global())
         yield from _globals(table.get_children())
 
 

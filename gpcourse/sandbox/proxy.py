@@ -160,10 +160,15 @@ class Worker:
             unsure=_words(reply.get("unsure")),
         )
 
-    def widen(self, name: str) -> None:
-        """From now on run all that the function `name` may need, and that in a new process."""
+    def renew(self, name: str, *, most: bool = False) -> None:
+        """Forget what the function `name` answered, and ask it in a new process from now on.
+
+        There is run what it needs, or may need at `most`.
+        """
         self.close()
-        self._widened.add(name)
+        self._kept.pop(name, None)
+        if most:
+            self._widened.add(name)
 
     def prepare(self, name: str) -> Ready:
         """Run what the function `name` needs, once in each process."""

@@ -37,7 +37,7 @@ from gpcourse.errors import WireError
 from gpcourse.sandbox import wire
 from gpcourse.sandbox.call import LONGEST_NAME, Answer, Trouble, call, describe
 from gpcourse.sandbox.deadline import TimeLimit, deadline
-from gpcourse.sandbox.effects import needed_at_most
+from gpcourse.sandbox.effects import Effects
 from gpcourse.sandbox.landlock import Grant
 from gpcourse.sandbox.lockdown import lock, readings
 from gpcourse.sandbox.program import Program, Statement
@@ -68,6 +68,7 @@ class Notebook:
 
     def __init__(self) -> None:
         self.program = Program()
+        self.effects = Effects(self.program)
         self.rooms: dict[str, Room] = {}
 
     def load(self, numbers: list[int], sizes: list[int], text: bytes, wanted: list[str]) -> Message:
@@ -77,6 +78,7 @@ class Notebook:
             (n, text[end - size : end].decode()) for n, size, end in zip(numbers, sizes, ends, strict=True)
         )
         self.program.add(cells)
+        self.effects = Effects(self.program)
         names = sorted(name for name in self.program.binders if len(name) <= LONGEST_NAME)[:_MOST_NAMES]
         return {
             "names": names,
@@ -87,7 +89,7 @@ class Notebook:
         }
 
     def _may_need_more(self, name: str) -> bool:
-        return len(needed_at_most(self.program, name)) > len(self.program.needed(name))
+        return len(self.effects.needed_at_most(name)) > len(self.program.needed(name))
 
     def prepare(self, name: str, limit: float, wall: float, *, most: bool = False) -> Message:
         """Run what `name` needs, or may need at `most`.
@@ -113,7 +115,7 @@ class Notebook:
         """
         functions: dict[str, Any] = {}
         namespace = vars(room.module)
-        for statement in needed_at_most(self.program, name) if most else self.program.needed(name):
+        for statement in self.effects.needed_at_most(name) if most else self.program.needed(name):
             self._run(statement, room, name)
             functions |= {n: namespace[n] for n in statement.binds if callable(namespace.get(n))}
         for each in self.program.called(name) & functions.keys():

@@ -4,7 +4,7 @@ import ast
 
 import pytest
 
-from gpcourse.sandbox.effects import needed_at_most
+from gpcourse.sandbox.effects import Effects
 from gpcourse.sandbox.program import Program, parse
 
 
@@ -191,7 +191,7 @@ def test_cells_that_are_read_later_take_their_places():
 def run_most(name, *cells):
     namespace = {}
     program = Program(enumerate(cells, start=1))
-    for statement in needed_at_most(program, name):
+    for statement in Effects(program).needed_at_most(name):
         exec(statement.compile(program.flags), namespace)
     return namespace
 
@@ -221,7 +221,7 @@ INDIRECT = [
 def test_what_acts_on_a_name_without_binding_it_may_be_needed(cells):
     assert run_most("f", *cells)["f"](3) == 6
     program = Program(enumerate(cells, start=1))
-    assert len(program.needed("f")) < len(needed_at_most(program, "f"))
+    assert len(program.needed("f")) < len(Effects(program).needed_at_most("f"))
 
 
 @pytest.mark.parametrize(
@@ -237,7 +237,7 @@ def test_what_acts_on_a_name_without_binding_it_may_be_needed(cells):
 )
 def test_a_demonstration_is_never_needed(demonstration):
     program = Program([(1, "import math\nT = [1]"), (2, "def f(x): return T[0] * x"), (3, demonstration)])
-    assert needed_at_most(program, "f") == program.needed("f")
+    assert Effects(program).needed_at_most("f") == program.needed("f")
 
 
 @pytest.mark.parametrize(

@@ -600,9 +600,9 @@ def _(f: Asked, rng: Rng) -> None:
         speeds = _speeds(surface, motions)
         means = (speeds**2).mean(axis=0)
         worst = int(np.abs(means - values).argmax())
-        what = "The mean square of (r × x + t)·n, for each column (r, t) of motions,"
+        what = "The eigenvalues, each the mean square of (r × x + t)·n for its column (r, t) of motions,"
         picture = pictures.of_speeds(surface.points, speeds[:, worst], worst)
-        expect.close(means, values, 1e-6, what, on=name, picture=picture)
+        expect.close(values, means, 1e-6, what, on=name, picture=picture)
         form = speeds.T @ speeds / len(speeds)
         what = "The form in the basis of motions, which is diagonal,"
         expect.close(form, np.diag(values), 1e-6, what, on=name, shown=pictures.Table("the form"))

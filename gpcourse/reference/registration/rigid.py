@@ -50,10 +50,14 @@ def rigid_transform(
     q = as_rows(q, "q", "p", len(p))
     w = _normalised(weights, len(p))
     p_mean, q_mean = w @ p, w @ q
-    x, y = _by_axis(p), _by_axis(q)
-    x -= p_mean[:, None]
-    y -= q_mean[:, None]
-    U, _, Vt = np.linalg.svd((w * y) @ x.T)
+    S = np.zeros((3, 3))
+    for start in range(0, len(p), _BLOCK):
+        some = slice(start, start + _BLOCK)
+        x, y = _by_axis(p[some]), _by_axis(q[some])
+        x -= p_mean[:, None]
+        y -= q_mean[:, None]
+        S += (w[some] * y) @ x.T
+    U, _, Vt = np.linalg.svd(S)
     # Without this sign the best orthogonal matrix may be a mirror, as for noisy points near a plane.
     sign = np.sign(np.linalg.det(U) * np.linalg.det(Vt))
     R = Vt.T @ np.diag([1.0, 1.0, sign]) @ U.T

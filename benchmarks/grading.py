@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import argparse
 import base64
+import csv
 import json
 import os
 import pickle
@@ -86,10 +87,14 @@ def _children() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def run(*command: str | Path, cwd: Path | None = None) -> None:
-    """Run a command quietly; what it says is shown if it fails."""
-    done = subprocess.run(list(map(str, command)), cwd=cwd, capture_output=True, text=True, check=False)
-    if done.returncode not in (0, 1):  # 1: a submission needs a person, or a student's test failed
+def run(*command: str | Path, cwd: Path | None = None, good: Collection[int] = (0,)) -> None:
+    """Run a command quietly, with the programs beside it in reach; what it says is shown if it fails."""
+    path = f"{Path(command[0]).parent}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        list(map(str, command)), cwd=cwd, env={**os.environ, "PATH": path}, capture_output=True, text=True,
+        check=False,
+    )  # fmt: skip
+    if done.returncode not in good:
         raise SystemExit(f"{' '.join(map(str, command))}\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
 
 
@@ -140,7 +145,8 @@ def write_class(chapter: Chapter, folder: Path, students: int) -> Path:
 
 def grade(submissions: Path, out: Path) -> None:
     """Grade a class as its instructor does."""
-    run(sys.executable, "-m", "gpcourse", "grade", submissions, "--out", out, "--quiet", "--allow-unconfined")
+    options = ("--out", out, "--quiet", "--allow-unconfined")
+    run(sys.executable, "-m", "gpcourse", "grade", submissions, *options, good=(0, 1))  # 1: see the page
 
 
 def chapter_study(chapter: Chapter, students: int, rounds: int) -> Times:
@@ -287,8 +293,9 @@ def environment(folder: Path, name: str) -> Path | None:
     if (programs / name).exists():
         return programs
     subprocess.run([sys.executable, "-m", "venv", str(folder / name)], check=True)
-    pip = [programs / "python", "-m", "pip", "install", "--quiet", PEERS[name], "numpy", "scipy", "ipykernel"]
-    if subprocess.run(list(map(str, pip)), check=False).returncode:
+    pip = [programs / "python", "-m", "pip", "install", "--quiet"]
+    wanted = ([PEERS[name], "numpy", "scipy", "ipykernel"], ["--no-deps", ROOT])  # students import gpcourse
+    if any(subprocess.run(list(map(str, [*pip, *each])), check=False).returncode for each in wanted):
         print(f"{PEERS[name]} cannot be installed here: its row is missing", file=sys.stderr)
         return None
     return programs
@@ -318,7 +325,24 @@ def peer_study(peers: Path, students: int, rounds: int) -> Times:
                 )
             if programs["otter"]:
                 times.run("otter run", partial(otter, programs["otter"], course), students)
+        print("exercises with full points:", full_points(course, programs["nbgrader"]))
     return times
+
+
+def full_points(course: Path, nbgrader: Path | None) -> dict[str, int]:
+    """Count the exercises that each grader gave full points, to see that all graded the same work."""
+    with (course / "ours0" / "grades.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    found = {"gpcourse": sum(int(row[name]) == find(name).points for row in rows for name in SMALL)}
+    if nbgrader:
+        run(nbgrader / "nbgrader", "export", cwd=course)
+        with (course / "grades.csv").open(newline="", encoding="utf-8") as file:
+            found["nbgrader"] = sum(int(float(row["score"])) for row in csv.DictReader(file))
+    results = [json.loads(path.read_text("utf-8")) for path in course.glob("otter/*/results.json")]
+    if results:
+        tests = [test for result in results for test in result["tests"]]
+        found["otter"] = sum(test.get("score") == 1 for test in tests)
+    return found
 
 
 def prepare(course: Path, chapter: Chapter, students: int) -> None:

@@ -80,9 +80,10 @@ class Asked:
             raise NoAnswer(answer)
         return answer.value
 
-    def each(self, answers: Sequence[Value], start: int = 0) -> Iterator[Value]:
-        """Yield the answers to the questions from number `start` on, one after the other, to be looked at."""
-        for self.about, value in enumerate(answers, start):
+    def each(self, answers: Sequence[Value]) -> Iterator[Value]:
+        """Yield the answers to the last questions, one after the other, to be looked at."""
+        first = len(self.questions) - len(answers)
+        for self.about, value in enumerate(answers, first):
             yield value
         self.about = -1
 
@@ -235,7 +236,8 @@ class Ours:
     def _call(self, m: int, arguments: tuple[Any, ...], options: dict[str, Any], limit: float) -> Answer:
         # Processor time where that can be had: a loaded machine must not change which mistake is named.
         wall = 10 * (limit + 1)
-        return call(self.functions[m], arguments, limit, wall, options=options, ours=True)
+        with np.errstate(all="ignore" if m else None):  # a wrong formula may well divide by zero
+            return call(self.functions[m], arguments, limit, wall, options=options, ours=True)
 
 
 def name_mistakes(exercise: Exercise, results: list[CheckResult], ours: Ours) -> list[CheckResult]:

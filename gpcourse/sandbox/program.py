@@ -15,7 +15,7 @@ import re
 import symtable
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from types import CodeType
 from typing import Any
@@ -44,17 +44,51 @@ PYTHON_MAGICS = ("time", "timeit", "capture", "prun", "python", "python3", "py3"
 _MOST_MAGICS = 200
 
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda)
+#: Expressions whose value is no function.
+_NO_FUNCTIONS = (
+    ast.Constant,
+    ast.JoinedStr,
+    ast.BinOp,
+    ast.UnaryOp,
+    ast.Compare,
+    ast.List,
+    ast.Tuple,
+    ast.Dict,
+    ast.Set,
+    ast.ListComp,
+    ast.SetComp,
+    ast.DictComp,
+    ast.GeneratorExp,
+)
 _DEFINITION = re.compile(r"^(?:async\s+)?(?:def|class)\s+(\w+)|^(\w+)\s*=", re.MULTILINE)
 
 
 @dataclass(frozen=True)
 class Statement:
-    """A statement at the top level of a cell, the names it binds, and the global names it reads."""
+    """A statement at the top level of a cell.
+
+    Attributes
+    ----------
+    binds, reads : frozenset of str
+        The global names that it binds and reads.
+    calls : frozenset of str
+        Of those it reads, the ones that it calls and does nothing else with.
+    defines : frozenset of str
+        Of those it binds, the ones that it gives functions or classes.
+    fills : frozenset of str
+        Of those it binds, the ones that get no function from it, as far as can be told: the
+        variables of a loop, a number, a list.
+    always : bool
+        Whether every function needs it.
+    """
 
     cell: int
     node: ast.stmt
     binds: frozenset[str]
     reads: frozenset[str]
+    calls: frozenset[str] = frozenset()
+    defines: frozenset[str] = frozenset()
+    fills: frozenset[str] = frozenset()
     always: bool = False
 
     def compile(self, flags: int) -> CodeType:
@@ -80,19 +114,21 @@ class Program:
             self._add(number, source)
         self.statements.sort(key=lambda statement: statement.cell)
         self.broken.sort(key=lambda lost: lost[0])
-        vars(self).pop("binders", None)
+        for cached in ("binders", "functions"):
+            vars(self).pop(cached, None)
 
     def _add(self, number: int, source: str) -> None:
         name = f"<cell {number}>"
         linecache.cache[name] = (len(source), None, source.splitlines(keepends=True), name)
         try:
-            tree = parse(source, name)
+            tree, text = _parse(source, name)
         except Exception as error:  # noqa: BLE001  # SyntaxError, a null byte, nesting that is too deep
             lost = frozenset(a or b for a, b in _DEFINITION.findall(source))
             self.broken.append((number, _in_cell(describe(error), number), lost))
             return
+        lines = text.encode("utf-8", "replace").splitlines()
         for node in tree.body:
-            statement = _analyse(number, node)
+            statement = _analyse(number, node, lines)
             self.statements.append(statement)
             if isinstance(node, ast.ImportFrom) and node.module == "__future__":
                 self.flags |= _future_flags(node)
@@ -107,18 +143,43 @@ class Program:
                 table.setdefault(name, []).append(i)
         return table
 
+    @cached_property
+    def functions(self) -> frozenset[str]:
+        """The names that are given a function or a class somewhere."""
+        return frozenset().union(*(statement.defines for statement in self.statements))
+
     def needed(self, name: str) -> list[Statement]:
         """Return the statements that make `name` work, in the order of the notebook."""
+        return self._needed(name)[0]
+
+    def called(self, name: str) -> frozenset[str]:
+        """Return the names of which `name` needs a function, and nothing but a function."""
+        return self._needed(name)[1]
+
+    def _needed(self, name: str) -> tuple[list[Statement], frozenset[str]]:
         chosen = {i for i, s in enumerate(self.statements) if s.always}
-        names = {name}.union(*(self.statements[i].reads for i in chosen))
-        waiting = list(names)
+        read: set[str] = set()
+        called = {name}
+        waiting = [name]
+
+        def note(statement: Statement) -> None:
+            new = (statement.reads - statement.calls - read) | (statement.calls - read - called)
+            read.update(statement.reads - statement.calls)
+            called.update(statement.calls)
+            waiting.extend(new)
+
+        for i in chosen:
+            note(self.statements[i])
         while waiting:
-            for i in self.binders.get(waiting.pop(), ()):
-                if i not in chosen:
+            each = waiting.pop()
+            # What is only called, and is a function somewhere, is not the variable of a loop elsewhere.
+            function = each not in read and each in self.functions
+            for i in self.binders.get(each, ()):
+                statement = self.statements[i]
+                if i not in chosen and not (function and each in statement.fills):
                     chosen.add(i)
-                    waiting.extend(self.statements[i].reads - names)
-                    names |= self.statements[i].reads
-        return [self.statements[i] for i in sorted(chosen)]
+                    note(statement)
+        return [self.statements[i] for i in sorted(chosen)], frozenset(called - read)
 
     def cells_for(self, name: str) -> list[int]:
         """Return the cells that make `name` work, or say why it does not: as good as all of them."""
@@ -127,8 +188,8 @@ class Program:
 
     def is_stub(self, name: str) -> bool:
         """Tell whether the last definition of `name` is a function that does nothing yet."""
-        where = self.binders.get(name, ())
-        node = self.statements[where[-1]].node if where else None
+        binders = [self.statements[i] for i in self.binders.get(name, ())]
+        node = next((s.node for s in reversed(binders) if name not in s.fills), None)
         return isinstance(node, ast.FunctionDef) and all(map(_does_nothing, node.body))
 
     def loss(self, name: str) -> Trouble | None:
@@ -138,12 +199,18 @@ class Program:
 
 def parse(source: str, name: str) -> ast.Module:
     """Parse the source of a cell; magics and shell lines are no part of it."""
+    return _parse(source, name)[0]
+
+
+def _parse(source: str, name: str) -> tuple[ast.Module, str]:
+    """Parse the source of a cell; return the text that was parsed in the end too."""
     lines = _without_cell_magic(source).split("\n")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # an invalid escape in a docstring
         for _ in range(_MOST_MAGICS):
+            text = "\n".join(lines)
             try:
-                return ast.parse("\n".join(lines), name)
+                return ast.parse(text, name), text
             except SyntaxError as error:
                 # Only where Python stumbles: a line may begin with % because the one before goes on.
                 at = (error.lineno or 0) - 1
@@ -151,7 +218,8 @@ def parse(source: str, name: str) -> ast.Module:
                 if plain is None:
                     raise
                 lines[at] = plain
-    return ast.parse("\n".join(lines), name)
+    text = "\n".join(lines)
+    return ast.parse(text, name), text
 
 
 def _without_cell_magic(source: str) -> str:
@@ -173,11 +241,12 @@ def _plain_line(line: str) -> str | None:
     return f"{indent}{shell[1]}= None" if shell else None
 
 
-def _analyse(number: int, node: ast.stmt) -> Statement:
-    binds = set(_changes(node))
-    reads = set(binds)
+def _analyse(number: int, node: ast.stmt, lines: Sequence[bytes]) -> Statement:
+    names = _Names()
+    names.look(node)
+    binds, reads, defines = set(names.changed), set(names.changed), set()
     try:
-        table = symtable.symtable(ast.unparse(node), "<cell>", "exec")
+        table = symtable.symtable(_text(node, lines), "<cell>", "exec")
     except (SyntaxError, RecursionError, ValueError):  # compiling the statement will say so
         return Statement(number, node, frozenset(_bound_in_text(node)), frozenset())
     for symbol in table.get_symbols():
@@ -185,20 +254,67 @@ def _analyse(number: int, node: ast.stmt) -> Statement:
             binds.add(symbol.get_name())
         if symbol.is_referenced():
             reads.add(symbol.get_name())
+        if symbol.is_namespace():
+            defines.add(symbol.get_name())
     reads.update(_globals(table.get_children()))
     star = isinstance(node, ast.ImportFrom) and any(alias.name == "*" for alias in node.names)
-    return Statement(number, node, frozenset(binds), frozenset(reads), always=star or _sets_recursion(node))
+    return Statement(
+        number,
+        node,
+        frozenset(binds),
+        frozenset(reads),
+        calls=frozenset(reads & names.called - names.read),
+        defines=frozenset(defines),
+        fills=frozenset(binds - defines) if _fills(node) else frozenset(),
+        always=star or _sets_recursion(node),
+    )
 
 
-def _globals(tables: Sequence[symtable.SymbolTable]) -> Iterator[str]:
-    for table in tables:
-        yield from (symbol.get_name() for symbol in table.get_symbols() if symbol.is_global())
-        yield from _globals(table.get_children())
+def _text(node: ast.stmt, lines: Sequence[bytes]) -> str:
+    """Return the source of a statement at the top level."""
+    first, start = node.lineno, node.col_offset
+    for decorator in getattr(node, "decorator_list", ())[:1]:
+        if decorator.lineno < first:
+            first, start = decorator.lineno, 0
+    end = node.end_lineno or first
+    chosen = list(lines[first - 1 : end])
+    chosen[-1] = chosen[-1][: node.end_col_offset]
+    chosen[0] = chosen[0][start:]
+    return b"\n".join(chosen).decode("utf-8", "replace")
 
 
-def _changes(node: ast.AST) -> Iterator[str]:
-    """Yield the names whose values are changed in place: ``a[0] = 1``, ``a.b = 1``, ``a.append(1)``."""
-    for inner in _outside_functions(node):
+@dataclass
+class _Names:
+    """The names in a statement: what its expressions call, read otherwise, and change in place."""
+
+    called: set[str] = field(default_factory=set)
+    read: set[str] = field(default_factory=set)
+    changed: set[str] = field(default_factory=set)
+
+    def look(self, node: ast.AST) -> None:
+        """Walk through a statement. Functions change what they are given when they are called, not now."""
+        waiting = [(node, False)]
+        while waiting:
+            inner, inside = waiting.pop()
+            kind = type(inner)
+            if kind is ast.Name:
+                if type(inner.ctx) is ast.Load:  # type: ignore[attr-defined]
+                    self.read.add(inner.id)  # type: ignore[attr-defined]
+                continue
+            if not inside:
+                self._note_change(inner)
+                inside = kind in _FUNCTIONS
+            for name in inner._fields:
+                value = getattr(inner, name, None)
+                if type(value) is list:
+                    waiting.extend((child, inside) for child in value if isinstance(child, ast.AST))
+                elif kind is ast.Call and type(value) is ast.Name:
+                    self.called.add(value.id)
+                elif isinstance(value, ast.AST) and name != "ctx":
+                    waiting.append((value, inside))
+
+    def _note_change(self, inner: ast.AST) -> None:
+        """Note what is changed: ``a[0] = 1``, ``a.b = 1``, ``a.append(1)`` change a."""
         target: Any = None
         if isinstance(inner, (ast.Subscript, ast.Attribute)) and isinstance(inner.ctx, ast.Store):
             target = inner.value
@@ -209,14 +325,21 @@ def _changes(node: ast.AST) -> Iterator[str]:
         while isinstance(target, (ast.Subscript, ast.Attribute)):
             target = target.value
         if isinstance(target, ast.Name):
-            yield target.id
+            self.changed.add(target.id)
 
 
-def _outside_functions(node: ast.AST) -> Iterator[ast.AST]:
-    yield node
-    if not isinstance(node, _FUNCTIONS):
-        for child in ast.iter_child_nodes(node):
-            yield from _outside_functions(child)
+def _fills(node: ast.stmt) -> bool:
+    """Tell whether what a statement binds, but for its definitions, is hardly a function."""
+    if isinstance(node, ast.Assign):
+        several = any(isinstance(target, (ast.Tuple, ast.List)) for target in node.targets)
+        return several or isinstance(node.value, _NO_FUNCTIONS)
+    return isinstance(node, (ast.For, ast.While, ast.With))
+
+
+def _globals(tables: Sequence[symtable.SymbolTable]) -> Iterator[str]:
+    for table in tables:
+        yield from (symbol.get_name() for symbol in table.get_symbols() if symbol.is_global())
+        yield from _globals(table.get_children())
 
 
 def _sets_recursion(node: ast.stmt) -> bool:

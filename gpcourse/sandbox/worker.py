@@ -88,8 +88,7 @@ class Notebook:
         room = self.rooms[name] = Room(_module())
         try:
             with deadline(limit, wall):
-                for statement in self.program.needed(name):
-                    self._run(statement, room, name)
+                self._run_all(name, room)
         except TimeLimit as error:
             room.status, room.trouble = "timeout", describe(error)
         if room.status == "ready" and not callable(vars(room.module).get(name)):
@@ -97,6 +96,20 @@ class Notebook:
             room.status = "missing" if room.trouble is None else "raised"
         notes = room.notes[:_MOST_NOTES]
         return {"status": room.status, "trouble": _plain(room.trouble), "notes": notes}
+
+    def _run_all(self, name: str, room: Room) -> None:
+        """Run what `name` needs, in order. A name that is only called keeps its last function.
+
+        Where the student tried it, right below the definition, no demonstration had taken the name yet.
+        """
+        functions: dict[str, Any] = {}
+        namespace = vars(room.module)
+        for statement in self.program.needed(name):
+            self._run(statement, room, name)
+            functions |= {n: namespace[n] for n in statement.binds if callable(namespace.get(n))}
+        for each in self.program.called(name) & functions.keys():
+            if not callable(namespace.get(each)):
+                namespace[each] = functions[each]
 
     def _run(self, statement: Statement, room: Room, name: str) -> None:
         try:

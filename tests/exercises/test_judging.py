@@ -183,6 +183,21 @@ def test_a_mistake_that_would_spoil_a_passed_check_is_not_named():
     assert judge(made, ask_here(lambda x: 9.0 if x == 3 else 2 * x), 0).mistakes == ()
 
 
+def test_a_mistake_that_divides_by_zero_is_named_without_a_warning():
+    made = Exercise(double, notes="here", hints=["think"])
+
+    @made.check("small")
+    def _(f, rng):
+        expect.close(expect.number(f(1.0)), 2.0, 0.0, "The double")
+
+    @made.mistake("it was divided by what is left", hint="What is left?")
+    def _(x):
+        return np.float64(2.0) / (x - 1.0)
+
+    verdict = judge(made, ask_here(lambda x: float("inf")), 0)
+    assert [m.name for m in verdict.mistakes] == ["it was divided by what is left"]
+
+
 def test_right_answers_that_differ_do_not_hide_a_mistake():
     made = Exercise(double, notes="here", hints=["think"])
 

@@ -42,6 +42,48 @@ def test_the_last_definition_counts_and_the_order_is_kept():
     assert run("f", "def f(): return 1", "old = f\ndef f(): return old() + 1", "x = f()")["f"]() == 2
 
 
+LATER = [
+    "for area in 1 / 0:\n    print(area)",
+    "mesh, area = 1 / 0",
+    "area = 1 + 1 / 0",
+    "area = [1 / 0]",
+    "area = {k: 1 / 0 for k in range(3)}",
+    "with open('not there') as area:\n    pass",
+    "for k in range(3):\n    area = 1 / 0",
+]
+
+
+@pytest.mark.parametrize("later", LATER)
+@pytest.mark.parametrize("uses", ["area()", "[area() for _ in range(1)][0]", "(lambda: area())()"])
+def test_a_demonstration_that_takes_the_name_of_a_function_is_not_run(later, uses):
+    namespace = run("f", "def area():\n    return 3", f"def f():\n    return {uses}", later)
+    assert namespace["f"]() == 3
+
+
+@pytest.mark.parametrize(
+    ("definition", "later"),
+    [
+        ("area = [1]", "for area in [[2]]:\n    pass"),
+        ("def area(): pass", "area = [2]\ndef g(): return area"),
+        ("def area(): pass", "area = max\ndef g(): return [area(1, 2)]"),
+        ("def area(): pass", "for area in [1, 2]:\n    def area(): return 2\ndef g(): return [area()]"),
+        ("def area(): pass", "if True:\n    area = lambda: 2\ndef g(): return [area()]"),
+        ("def area(): pass", "area, = [lambda: 2]\nx = area()\ndef g(): return [x, area]"),
+    ],
+)
+def test_a_name_that_is_given_another_value_on_purpose_has_that(definition, later):
+    assert (
+        2 in run("f", definition, later, "def f():\n    return area if 'g' not in globals() else g()")["f"]()
+    )
+
+
+def test_a_function_that_its_own_result_replaced_is_no_stub():
+    program = Program([(1, "def area():\n    return 3"), (2, "area = [area()]")])
+    assert not program.is_stub("area")
+    program = Program([(1, "def area():\n    ..."), (2, "for area in range(3):\n    print(area)")])
+    assert program.is_stub("area")
+
+
 @pytest.mark.parametrize(
     "change",
     ["T.append(2)", "T[0] = 2", "T += [2]", "for i in range(3):\n    T.append(i)", "T[1:] = [2]"],

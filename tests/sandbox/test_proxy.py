@@ -227,6 +227,18 @@ def test_a_statement_that_fails_costs_what_depends_on_it(worker):
     assert w.prepare("g").notes[0].place == "cell 1"
 
 
+@pytest.mark.parametrize("later", ["area = len('abcd')", "f = f()", "area, f = 5, 6"])
+def test_a_function_whose_name_a_demonstration_took_is_called_all_the_same(worker, later):
+    w = worker("def area():\n    return 3", "def f():\n    return area()", later)
+    assert w.ask("f", (), {}, 5.0).value == 3
+    assert w.ask("area", (), {}, 5.0).value == 3
+
+
+def test_a_name_that_is_read_has_its_last_value(worker):
+    w = worker("def area():\n    return 3", "area = len('abcd')", "def f():\n    return area")
+    assert w.ask("f", (), {}, 5.0).value == 4
+
+
 def test_an_error_of_a_cell_is_no_refusal_of_an_input(worker):
     w = worker("def decorate(f): raise ValueError('0 1 2 3')", "@decorate\ndef f(x): pass")
     answer = ask(w, "f", 1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -54,8 +54,13 @@ def _write(
     return header.format(n=len(vertices), m=len(faces)) + "\n".join(lines) + "\n"
 
 
-def _expect_read(f: Asked, text: str, data: MeshData, on: str) -> None:
-    value = f(text)
+def _expect_read(f: Asked, questions: Sequence[tuple[str, MeshData, str]]) -> None:
+    answers = [f(text) for text, _, _ in questions]
+    for answer, (_, data, on) in zip(f.each(answers), questions, strict=True):
+        _judge_read(answer, data, on)
+
+
+def _judge_read(value: Any, data: MeshData, on: str) -> None:
     expect.that(value is not None, "The result is None: is a `return` missing?", on=on)
     pair = isinstance(value, (tuple, list)) and len(value) == 2
     expect.that(pair, "The result should be a pair (vertices, faces).", yours=expect.brief(value), on=on)
@@ -75,21 +80,23 @@ def _expect_read(f: Asked, text: str, data: MeshData, on: str) -> None:
 def _(f: Asked, rng: Rng) -> None:
     shape = shapes.random_closed(rng, 12, genus=1)
     data = shape.vertices * rng.uniform(0.01, 100.0), face_lists(shape)
-    _expect_read(f, _write(data), data, "a closed mesh of triangles")
+    _expect_read(f, [(_write(data), data, "a closed mesh of triangles")])
 
 
 @READ_OFF.check("keeps polygons of any size")
 def _(f: Asked, rng: Rng) -> None:
     data = _mesh(rng)
-    _expect_read(f, _write(data), data, f"a prism over a polygon of {len(data[1][0])} sides or so")
+    _expect_read(f, [(_write(data), data, f"a prism over a polygon of {len(data[1][0])} sides or so")])
 
 
 @READ_OFF.check("finds the counts on the first line too")
 def _(f: Asked, rng: Rng) -> None:
+    questions = []
     for header in ("OFF {n} {m} 0\n", "OFF{n} {m} 0\n"):
         data = _mesh(rng)
         text = _write(data, header)
-        _expect_read(f, text, data, f"a file that begins {text.splitlines()[0]!r}")
+        questions.append((text, data, f"a file that begins {text.splitlines()[0]!r}"))
+    _expect_read(f, questions)
 
 
 @READ_OFF.check("skips comments and blank lines anywhere")
@@ -97,21 +104,20 @@ def _(f: Asked, rng: Rng) -> None:
     data = _mesh(rng)
     header = "# 3 4 5\n\nOFF # a prism\n\n{n} {m} 0  # V F E\n\n"
     text = _write(data, header, "{xyz} # 7", "{size} {indices}\n# next\n")
-    _expect_read(f, text, data, "a file with comments and blank lines between and behind the numbers")
+    on = "a file with comments and blank lines between and behind the numbers"
+    _expect_read(f, [(text, data, on)])
 
 
 @READ_OFF.check("leaves out colours and the extra columns of COFF, NOFF and STOFF")
 def _(f: Asked, rng: Rng) -> None:
     data = _mesh(rng)
-    _expect_read(
-        f, _write(data, face="{size} {indices} 255 0 0"), data, "a file with a colour behind each face"
-    )
-    _expect_read(
-        f, _write(data, face="{size} {indices} 0.1 0.2 0.3 1"), data, "a file with a colour behind each face"
-    )
+    on = "a file with a colour behind each face"
+    colours = ("255 0 0", "0.1 0.2 0.3 1")
+    questions = [(_write(data, face="{size} {indices} " + colour), data, on) for colour in colours]
     for word, extra in (("COFF", " 255 128 0 255"), ("NOFF", " 0 0.6 0.8"), ("STOFF", " 0.25 0.75")):
         text = _write(data, word + "\n{n} {m} 0\n", "{xyz}" + extra)
-        _expect_read(f, text, data, f"a {word} file")
+        questions.append((text, data, f"a {word} file"))
+    _expect_read(f, questions)
 
 
 @READ_OFF.check("refuses a damaged file with a ValueError that has the line number", points=2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -45,10 +46,15 @@ FACE_VERTICES = Exercise(
 )
 
 
-def _expect_face(f: Asked, mesh: HalfedgeMesh, faces: FaceLists, i: int) -> None:
+def _expect_faces(f: Asked, questions: Sequence[tuple[HalfedgeMesh, FaceLists, int]]) -> None:
+    answers = [f(mesh, i) for mesh, _, i in questions]
+    for answer, (mesh, faces, i) in zip(f.each(answers), questions, strict=True):
+        _judge_face(answer, mesh, faces[i], i)
+
+
+def _judge_face(answer: Any, mesh: HalfedgeMesh, want: list[int], i: int) -> None:
     on = f"face {i}"
-    mine = expect.indices(f(mesh, i), on=on)
-    want = faces[i]
+    mine = expect.indices(answer, on=on)
     details = {"yours": str(mine.tolist()), "on": on, "picture": pictures.of_face(mesh, i)}
     message = f"Your list has {len(mine)} corners, which is not how many the face has."
     told = f"The face has {len(want)} corners; your list has {len(mine)}."
@@ -63,18 +69,19 @@ def _expect_face(f: Asked, mesh: HalfedgeMesh, faces: FaceLists, i: int) -> None
 
 @FACE_VERTICES.check("triangles")
 def _(f: Asked, rng: Rng) -> None:
+    questions = []
     for shape in (shapes.shuffled(shapes.disc(2), rng), closed_triangles(rng)):
         mesh = mesh_of(shape, rng)
-        for i in rng.choice(mesh.n_faces, 3, replace=False):
-            _expect_face(f, mesh, face_lists(shape), int(i))
+        some = rng.choice(mesh.n_faces, 3, replace=False)
+        questions += [(mesh, face_lists(shape), int(i)) for i in some]
+    _expect_faces(f, questions)
 
 
 @FACE_VERTICES.check("polygons of any size")
 def _(f: Asked, rng: Rng) -> None:
     shape = closed_polygons(rng)
     mesh = mesh_of(shape, rng)
-    for i in range(mesh.n_faces):
-        _expect_face(f, mesh, face_lists(shape), i)
+    _expect_faces(f, [(mesh, face_lists(shape), i) for i in range(mesh.n_faces)])
 
 
 @FACE_VERTICES.check("faces beside a hole")
@@ -82,8 +89,8 @@ def _(f: Asked, rng: Rng) -> None:
     shape = bounded_triangles(rng)
     mesh = mesh_of(shape, rng)
     beside = np.unique(mesh.face[mesh.twin[mesh.face == HOLE]])
-    for i in rng.choice(beside, min(4, len(beside)), replace=False):
-        _expect_face(f, mesh, face_lists(shape), int(i))
+    some = rng.choice(beside, min(4, len(beside)), replace=False)
+    _expect_faces(f, [(mesh, face_lists(shape), int(i)) for i in some])
 
 
 @FACE_VERTICES.variant("where the half-edges end, as an array")
@@ -501,10 +508,14 @@ FACE_CENTROID = Exercise(
 )
 
 
-def _expect_centroid(f: Asked, mesh: HalfedgeMesh, faces: FaceLists, i: int, scale: float) -> None:
-    on = f"face {i}, with {len(faces[i])} corners"
-    mine = expect.array(f(mesh, i), (3,), "The centroid", on=on)
-    corners = positions(mesh)[faces[i]]
+def _expect_centroids(f: Asked, questions: Sequence[tuple[HalfedgeMesh, FaceLists, int, float]]) -> None:
+    answers = [f(mesh, i) for mesh, _, i, _ in questions]
+    for answer, (mesh, faces, i, scale) in zip(f.each(answers), questions, strict=True):
+        _judge_centroid(answer, positions(mesh)[faces[i]], scale, f"face {i}, with {len(faces[i])} corners")
+
+
+def _judge_centroid(answer: Any, corners: FloatArray, scale: float, on: str) -> None:
+    mine = expect.array(answer, (3,), "The centroid", on=on)
     want = np.array([sum(column) / len(column) for column in corners.T])
     # A mean of k numbers is rounded by less than k * 1e-16 of the largest; 1e-6 also admits float32.
     size = np.abs(corners).max()
@@ -516,18 +527,20 @@ def _expect_centroid(f: Asked, mesh: HalfedgeMesh, faces: FaceLists, i: int, sca
 def _(f: Asked, rng: Rng) -> None:
     shape = closed_triangles(rng)
     mesh = mesh_of(shape, rng)
-    for i in rng.choice(mesh.n_faces, 3, replace=False):
-        _expect_centroid(f, mesh, face_lists(shape), int(i), 1.0)
+    some = rng.choice(mesh.n_faces, 3, replace=False)
+    _expect_centroids(f, [(mesh, face_lists(shape), int(i), 1.0) for i in some])
 
 
 @FACE_CENTROID.check("polygons, far from the origin and at any scale")
 def _(f: Asked, rng: Rng) -> None:
+    questions = []
     for scale in (0.01, 1.0, 100.0):
         shape = closed_polygons(rng)
         bent = shape.vertices * rng.uniform(0.5, 2.0, size=(len(shape.vertices), 1)) + [10, -20, 30]
         mesh = renumbered(reference.halfedge_mesh(scale * bent, shape.faces), rng)
-        for i in rng.choice(mesh.n_faces, 4, replace=False):
-            _expect_centroid(f, mesh, face_lists(shape), int(i), scale)
+        some = rng.choice(mesh.n_faces, 4, replace=False)
+        questions += [(mesh, face_lists(shape), int(i), scale) for i in some]
+    _expect_centroids(f, questions)
 
 
 @FACE_CENTROID.variant("summing while walking")

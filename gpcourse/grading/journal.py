@@ -2,7 +2,8 @@
 
 ``journal.jsonl`` holds a line that says what the grades depend on besides the notebooks, and then a line for
 each submission that is done, under a digest of what was handed in. A line is written at once and as a whole;
-of a run that was ended while it wrote, the last line may be torn, and is not read.
+of a run that was ended while it wrote, the last line may be torn, and is not read. Nor is a line that is
+not as it was written: each has a digest of itself.
 """
 
 from __future__ import annotations
@@ -106,6 +107,8 @@ class Journal:
         self.done: dict[str, dict[str, Any]] = {}
 
     def __enter__(self) -> Self:
+        if self.path.is_symlink() or (self.path.exists() and not self.path.is_file()):
+            raise UsageError(f"{self.path} is no file, or a link to one; remove it, or choose another folder")
         kept = self._read() if self.path.exists() else 0
         with writing(self.out):
             self._file = self.path.open("r+b" if kept else "wb")
@@ -125,11 +128,8 @@ class Journal:
         end = 0
         with self.path.open("rb") as file:
             for line in file:
-                try:
-                    content = json.loads(line) if line.endswith(b"\n") else None
-                except ValueError:
-                    content = None
-                if not isinstance(content, dict) or (end == 0 and content != self.head):
+                content = _content(line)
+                if content is None or (end == 0 and content != self.head):
                     break
                 if end:
                     self.done[str(content.get("digest"))] = content
@@ -156,9 +156,24 @@ class Journal:
             self._append({"digest": digest_of(submission), "files": files, "report": encode(report)})
 
     def _append(self, content: Mapping[str, Any]) -> None:
-        self._file.write(json.dumps(content).encode() + b"\n")
+        self._file.write(json.dumps({**content, "sum": _sum(content)}).encode() + b"\n")
         self._file.flush()
         os.fsync(self._file.fileno())
+
+
+def _content(line: bytes) -> dict[str, Any] | None:
+    """Read a line; None if it is not as it was written."""
+    try:
+        content = json.loads(line) if line.endswith(b"\n") else None
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(content, dict) or content.pop("sum", None) != _sum(content):
+        return None
+    return content
+
+
+def _sum(content: Mapping[str, Any]) -> str:
+    return blake2b(json.dumps(content).encode(), digest_size=8).hexdigest()
 
 
 def files_of(out: Path, stem: str) -> tuple[Path, Path]:

@@ -152,6 +152,42 @@ def test_the_course_itself_is_a_condition(tmp_path, monkeypatch):
         assert other.done == {}
 
 
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda line: line.replace(b'"points": 0', b'"points": 9'),
+        lambda line: b"[" * 10**5 + b"\n",
+        lambda line: b"{}\n",
+        lambda line: b"\xff\xfe\n",
+        lambda line: line.replace(b": 0", b": " + b"9" * 6000),
+    ],
+)
+def test_a_line_that_was_changed_is_not_believed(tmp_path, damage):
+    path, known = tmp_path / "journal.jsonl", {"course": "a"}
+    with journal.Journal(tmp_path, known) as first:
+        first._append({"digest": "x", "points": 0})
+        first._append({"digest": "y", "points": 0})
+    head, one, other = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(head + one + damage(other))
+    with journal.Journal(tmp_path, known) as again:
+        assert set(again.done) == {"x"}
+        again._append({"digest": "z", "points": 1})
+    with journal.Journal(tmp_path, known) as last:
+        assert set(last.done) == {"x", "z"}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
+def test_a_journal_that_is_a_link_is_not_written_through(tmp_path):
+    precious = tmp_path / "precious"
+    precious.write_text("all of it", "utf-8")
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "journal.jsonl").symlink_to(precious)
+    with pytest.raises(UsageError, match=r"journal\.jsonl is no file"), journal.Journal(out, {}):
+        pass
+    assert precious.read_text("utf-8") == "all of it"
+
+
 def test_a_busy_machine_changes_no_grade(folder, tmp_path):
     slow = (
         "import time\nimport numpy as np\nbusy = [{seconds}]\ndef triangle_area(a, b, c):\n"

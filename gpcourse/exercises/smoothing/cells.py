@@ -123,10 +123,17 @@ def _(f: Asked, rng: Rng) -> None:
 
 @BARYCENTRIC_AREAS.check("a vertex collects the thirds of all faces around it", points=2)
 def _(f: Asked, rng: Rng) -> None:
-    many = [(closed(rng), "a closed mesh"), (bounded(rng), "a mesh with holes")]
-    _expect_cells(
-        f, [(s.vertices, faces_of(s), truths.third_areas(s.vertices, faces_of(s)), on) for s, on in many]
-    )
+    shape, holes = closed(rng), bounded(rng)
+    many = [
+        (shape.vertices, faces_of(shape), "a closed mesh"),
+        # Nothing counts up to a vertex that no face names.
+        (
+            np.vstack([holes.vertices, holes.vertices[:1]]),
+            faces_of(holes),
+            "a mesh with holes, and a lone vertex",
+        ),
+    ]
+    _expect_cells(f, [(x, faces, truths.third_areas(x, faces), on) for x, faces, on in many])
 
 
 _declare_total(BARYCENTRIC_AREAS)

@@ -168,6 +168,15 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
     return -0.5 * truths.stiffness(vertices, faces) @ vertices / truths.third_areas(vertices, faces)[:, None]
 
 
+@MEAN_CURVATURE_NORMAL.mistake(
+    "Voronoi cells were used in place of mixed ones",
+    hint="Which cells does the docstring name? Compare both where an angle is obtuse.",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    areas = truths.voronoi_areas(vertices, faces)
+    return -0.5 * truths.stiffness(vertices, faces) @ vertices / areas[:, None]
+
+
 # Mean curvature ---------------------------------------------------------------------------------
 
 DISCRETE_MEAN_CURVATURE = Exercise(
@@ -295,6 +304,15 @@ def _(vertices: FloatArray, faces: IntArray, normals: FloatArray | None = None) 
 )
 def _(vertices: FloatArray, faces: IntArray, normals: FloatArray | None = None) -> Any:
     ratio = truths.mixed_areas(vertices, faces) / truths.third_areas(vertices, faces)
+    return _curvature_of(_mean_normal(vertices, faces) * ratio[:, None], normals)
+
+
+@DISCRETE_MEAN_CURVATURE.mistake(
+    "Voronoi cells were used in place of mixed ones",
+    hint="Which cells does the docstring name? Compare both where an angle is obtuse.",
+)
+def _(vertices: FloatArray, faces: IntArray, normals: FloatArray | None = None) -> Any:
+    ratio = truths.mixed_areas(vertices, faces) / truths.voronoi_areas(vertices, faces)
     return _curvature_of(_mean_normal(vertices, faces) * ratio[:, None], normals)
 
 
@@ -658,6 +676,25 @@ def _(H: FloatArray, K: FloatArray) -> Any:
 )
 def _(H: FloatArray, K: FloatArray) -> Any:
     root = np.sqrt(np.abs(H**2 - K))
+    return H + root, H - root
+
+
+@DISCRETE_PRINCIPAL_CURVATURES.mistake(
+    "where the root does not exist, the curvatures were set to zero",
+    hint="Where H² is a little below K, the surface is nearly round. Is it nearly flat?",
+)
+def _(H: FloatArray, K: FloatArray) -> Any:
+    with np.errstate(invalid="ignore"):
+        root = np.sqrt(H**2 - K)
+    return np.nan_to_num(H + root), np.nan_to_num(H - root)
+
+
+@DISCRETE_PRINCIPAL_CURVATURES.mistake(
+    "they were sorted by size without the sign",
+    hint="Which of 1 and −2 is the larger one?",
+)
+def _(H: FloatArray, K: FloatArray) -> Any:
+    root = np.copysign(np.sqrt(np.maximum(H**2 - K, 0)), H)
     return H + root, H - root
 
 

@@ -575,8 +575,8 @@ def _(f: Asked, rng: Rng) -> None:
     vertices = shape.vertices - shape.vertices.mean(axis=0)
     vertices[fixed] -= np.outer(vertices[fixed] @ normal, normal)
     size = float(np.ptp(vertices, axis=0).max())
-    on = "a sheet with bumps in the middle, order 2"
-    value = f(vertices, faces_of(shape), fixed, 2)
+    on = "a sheet with bumps in the middle, order 2, the fixed vertices as a mask"
+    value = f(vertices, faces_of(shape), np.isin(np.arange(len(vertices)), fixed), 2)
     mine = expect.array(value, vertices.shape, "The array of positions", on=on)
     _expect_fixed(mine, vertices, faces_of(shape), fixed, SINGLE * size, on)
     shown = pictures.Field(mine, faces_of(shape), "height")
@@ -624,6 +624,24 @@ def _(vertices: FloatArray, faces: IntArray, fixed: Any, order: int) -> Any:
 def _(vertices: FloatArray, faces: IntArray, fixed: Any, order: int) -> Any:
     x = np.zeros_like(vertices)
     x[fixed] = vertices[fixed]
+    return x
+
+
+@FAIR.mistake(
+    "`fixed` was taken for indices where it is a mask",
+    hint="`fixed` may be a mask of true and false, or indices. What does `np.setdiff1d` find in a mask?",
+)
+def _(vertices: FloatArray, faces: IntArray, fixed: Any, order: int) -> Any:
+    return _faired(vertices, faces, np.unique(np.asarray(fixed).astype(int)), order)
+
+
+@FAIR.mistake(
+    "`fixed` was taken for a mask where it holds indices",
+    hint="`fixed` may be a mask of true and false, or indices. What does `~fixed` do to a number?",
+)
+def _(vertices: FloatArray, faces: IntArray, fixed: Any, order: int) -> Any:
+    K, free, x = _power(vertices, faces, order), ~np.asarray(fixed), vertices.copy()
+    x[free] = np.linalg.solve(K[np.ix_(free, free)], -K[np.ix_(free, fixed)] @ vertices[fixed])
     return x
 
 

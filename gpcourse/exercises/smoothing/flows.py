@@ -227,6 +227,14 @@ def _(C: Any, M: Any) -> Any:
 
 
 @STABLE_STEP.mistake(
+    "a solver for symmetric matrices was given M⁻¹C, which is not symmetric",
+    hint="`eigvalsh` looks at one half of the matrix only, and takes the other to be the same.",
+)
+def _(C: Any, M: Any) -> Any:
+    return 2 / np.abs(np.linalg.eigvalsh(truths.dense(C) / M.diagonal()[:, None])).max()
+
+
+@STABLE_STEP.mistake(
     "the slowest mode was taken, not the fastest",
     hint="Which mode grows first when the step is too large: a smooth or a rough one?",
 )
@@ -460,6 +468,15 @@ def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "choles
 
 
 @IMPLICIT_STEP.mistake(
+    "the same coordinate was solved for three times",
+    hint="Three columns that are equal: which right-hand side does each round of your loop take?",
+)
+def _(vertices: FloatArray, C: Any, M: Any, lam: float, *, solver: str = "cholesky") -> Any:
+    _refuse_other(solver)
+    return np.repeat(_step(vertices, C, M, lam)[:, :1], 3, axis=1)
+
+
+@IMPLICIT_STEP.mistake(
     "M was divided out once more: C stands beside M, divided by the areas",
     hint="Which matrix goes with M, C or M⁻¹C? Is yours symmetric?",
 )
@@ -660,6 +677,19 @@ def _declare_mistakes_of_flow(exercise: Exercise, keep: bool) -> None:
     def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
         return _flow(vertices, faces, lam, min(steps, 1), keep=keep, volume=keep_volume)
 
+    @exercise.mistake(
+        "the steps are explicit",
+        hint="Is the Laplacian taken of the positions before the step, or after it?",
+    )
+    def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
+        P = surface = vertices
+        start = _volume(P, faces) if keep_volume else 0.0
+        for _ in range(steps):
+            P = np.asarray(P + lam * truths.laplacian(surface, faces) @ P)
+            P = _grown(P, faces, start) if keep_volume else P
+            surface = surface if keep else P
+        return P
+
     @exercise.mistake("one step too many was made", hint="How many times does your loop run for `steps = 0`?")
     def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
         return _flow(vertices, faces, lam, steps + 1, keep=keep, volume=keep_volume)
@@ -692,6 +722,35 @@ _declare_flow(
     "a sphere shrinks by the same factor 1 + 2λ/R² in each step, R that of the start",
     keep=True,
 )
+
+
+def _half_anew(
+    vertices: FloatArray, faces: IntArray, lam: float, steps: int, volume: bool, *, areas_anew: bool
+) -> FloatArray:
+    """Follow a flow in which only the areas are measured anew, or only C."""
+    P, start = vertices, _volume(vertices, faces) if volume else 0.0
+    for _ in range(steps):
+        C = truths.stiffness(vertices if areas_anew else P, faces)
+        areas = truths.mixed_areas(P if areas_anew else vertices, faces)
+        P = np.asarray(np.linalg.solve(np.diag(areas) - lam * C, areas[:, None] * P), dtype=float)
+        P = _grown(P, faces, start) if volume else P
+    return P
+
+
+@MEAN_CURVATURE_FLOW.mistake(
+    "C was made anew in every step, but M was not",
+    hint="The surface shrinks. What becomes of the areas of its cells?",
+)
+def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
+    return _half_anew(vertices, faces, lam, steps, keep_volume, areas_anew=False)
+
+
+@MEAN_CURVATURE_FLOW.mistake(
+    "M was made anew in every step, but C was not",
+    hint="A sphere keeps its angles as it shrinks. Does every surface? Which matrix holds them?",
+)
+def _(vertices: FloatArray, faces: IntArray, lam: float, steps: int, *, keep_volume: bool = False) -> Any:
+    return _half_anew(vertices, faces, lam, steps, keep_volume, areas_anew=True)
 
 
 # Keeping the volume, of the flow by mean curvature only.

@@ -123,6 +123,16 @@ def _(faces: IntArray, n_vertices: int) -> Any:
 
 
 @UNIFORM_LAPLACIAN.mistake(
+    "the columns were divided by the numbers of neighbours, not the rows",
+    hint="`A / d` divides column j by `d[j]`. What do the entries of a row sum to?",
+)
+def _(faces: IntArray, n_vertices: int) -> Any:
+    W = _adjacency(faces, n_vertices)
+    valence = W.sum(axis=1)
+    return W / np.maximum(valence, 1) - np.diag((valence > 0).astype(float))
+
+
+@UNIFORM_LAPLACIAN.mistake(
     "the sign is that of the negative operator",
     hint="A vertex lies below all of its neighbours. Is the mean minus the vertex positive or negative?",
 )
@@ -362,6 +372,17 @@ def _(vertices: FloatArray, faces: IntArray) -> Any:
 )
 def _(vertices: FloatArray, faces: IntArray) -> Any:
     return -truths.stiffness(vertices, faces)
+
+
+@COTANGENT_MATRIX.mistake(
+    "each weight was entered in one direction only",
+    hint="Is your matrix symmetric? The weight of an edge belongs to both of its ends.",
+)
+def _(vertices: FloatArray, faces: IntArray) -> Any:
+    W = np.zeros((len(vertices), len(vertices)))
+    ends = np.roll(faces, -1, axis=1), np.roll(faces, -2, axis=1)
+    np.add.at(W, ends, truths.cotangents(vertices, faces) / 2)
+    return W - np.diag(W.sum(axis=1))
 
 
 @COTANGENT_MATRIX.mistake(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
@@ -240,13 +238,7 @@ def spectral_reconstruction(f: FloatArray, phi: FloatArray, M: sparse.csr_array,
     return np.asarray(first @ spectral_coefficients(f, first, M))
 
 
-def spectral_filter(
-    f: FloatArray,
-    frequencies: FloatArray,
-    phi: FloatArray,
-    M: sparse.csr_array,
-    response: FloatArray | Callable[[FloatArray], FloatArray],
-) -> FloatArray:
+def spectral_filter(f: FloatArray, phi: FloatArray, M: sparse.csr_array, response: FloatArray) -> FloatArray:
     r"""Scale every mode of a function by the response to its frequency.
 
     .. math:: \sum_i h(-\lambda_i)\, \langle f, \varphi_i \rangle_M\, \varphi_i
@@ -255,15 +247,13 @@ def spectral_filter(
     ----------
     f : (n,) or (n, d) float array
         A function, or d of them.
-    frequencies : (k,) float array
-        :math:`-\lambda_i \ge 0`.
     phi : (n, k) float array
         The modes, orthonormal in the inner product of M.
     M : (n, n) csr_array
         Mass matrix.
-    response : (k,) float array, or callable
-        A factor for each mode; or what gives the factors, as ``response(frequencies)``. Diffusion for
-        a time t is ``np.exp(-frequencies * t)``, or ``lambda w: np.exp(-w * t)``.
+    response : (k,) float array
+        A factor for each mode, :math:`h(-\lambda_i)`. Diffusion for a time t is
+        ``np.exp(-frequencies * t)``.
 
     Returns
     -------
@@ -275,9 +265,7 @@ def spectral_filter(
     Notes ch. 6 §10, §13.
     """
     coefficients = spectral_coefficients(f, phi, M)
-    w = as_values(frequencies, len(coefficients), "frequencies", "modes")
-    given, name = (response(w), "response(frequencies)") if callable(response) else (response, "response")
-    factors = as_values(given, len(w), name, "modes")
+    factors = as_values(response, len(coefficients), "response", "modes")
     return np.asarray(phi @ (factors * coefficients.T).T)
 
 

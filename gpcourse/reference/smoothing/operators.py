@@ -274,8 +274,11 @@ def boundary_vertices(faces: IntArray, n_vertices: int) -> BoolArray:
         False for isolated vertices.
     """
     corners = as_triangles(faces, n_vertices)
-    tail, head = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
+    boundary = np.zeros(n_vertices, dtype=bool)
     suspect = _around_incomplete(corners, n_vertices)
+    if not suspect.any():  # a closed surface
+        return boundary
+    tail, head = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
     counted = suspect[tail] & suspect[head]
     tail, head = tail[counted], head[counted]
     edge = np.sort(np.minimum(tail, head) * n_vertices + np.maximum(tail, head))
@@ -285,7 +288,6 @@ def boundary_vertices(faces: IntArray, n_vertices: int) -> BoolArray:
     single[1:] &= ~same
     single[:-1] &= ~same
     smaller, larger = np.divmod(edge[single], max(n_vertices, 1))
-    boundary = np.zeros(n_vertices, dtype=bool)
     boundary[smaller] = boundary[larger] = True
     return boundary
 
@@ -296,9 +298,9 @@ def _around_incomplete(corners: IntArray, n_vertices: int) -> BoolArray:
     Elsewhere each neighbour is ahead in one face and behind in another: numbers of the neighbours, any
     numbers, added for those ahead and subtracted for those behind, cancel.
     """
-    number = np.random.default_rng(0).integers(2**40, size=n_vertices)[corners]
-    left = np.roll(number, -1, axis=1) - np.roll(number, 1, axis=1)
-    return np.asarray(np.bincount(corners.ravel(), weights=left.ravel(), minlength=n_vertices) != 0)
+    a, b, c = np.random.default_rng(0).integers(2**40, size=n_vertices)[corners.T]
+    left = np.stack([b - c, c - a, a - b])
+    return np.asarray(np.bincount(corners.T.ravel(), weights=left.ravel(), minlength=n_vertices) != 0)
 
 
 def adjacency(faces: IntArray, n_vertices: int) -> sparse.csr_array:

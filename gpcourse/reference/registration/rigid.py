@@ -56,10 +56,11 @@ def rigid_transform(
         x, y = _by_axis(p[some]), _by_axis(q[some])
         x -= p_mean[:, None]
         y -= q_mean[:, None]
-        S += (w[some] * y) @ x.T
+        y *= w[some]
+        S += y @ x.T
     U, _, Vt = np.linalg.svd(S)
     # Without this sign the best orthogonal matrix may be a mirror, as for noisy points near a plane.
-    sign = np.sign(np.linalg.det(U) * np.linalg.det(Vt))
+    sign = np.sign(np.linalg.det(Vt.T @ U.T))
     R = Vt.T @ np.diag([1.0, 1.0, sign]) @ U.T
     return R, p_mean - R @ q_mean
 

@@ -9,7 +9,7 @@ may be demonstrations too, slow or broken ones. Therefore this is the second try
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from functools import cached_property
 
 from gpcourse.sandbox.program import Program, Statement, changes, outside_functions
@@ -32,6 +32,7 @@ class Effects:
         statements = program.statements
         # What is no function and not imported may change.
         self.values = frozenset().union(*(s.binds for s in statements if not isinstance(s.node, _FIXED)))
+        self.functions = frozenset().union(*(s.binds for s in statements if isinstance(s.node, _DEFINITIONS)))
         self.imported = frozenset().union(*(s.binds for s in statements if isinstance(s.node, _IMPORTS)))
         self.by_text = any(map(_by_text, statements))
         effects = [_Effect(s, self) for s in statements]
@@ -45,10 +46,12 @@ class Effects:
         if not self.effects and not self.by_text:
             return list(chosen.values())
         names = {name}.union(*(s.reads for s in chosen.values()))
+        # What is called and nothing else keeps its function, whatever has the same name elsewhere.
+        plain = self.functions & self.program.called(name)
         new: set[str] = set()  # names that only what was added needs
         workers: set[str] = set()  # functions that change one of the names
         more = self._found_by_text() if self.by_text else []
-        while more := [s for s in more if id(s) not in chosen] or self._acting(names, workers, chosen):
+        while more := [s for s in more if id(s) not in chosen] or self._acting(names, plain, workers, chosen):
             for statement in more:
                 chosen[id(statement)] = statement
                 new |= (statement.reads | statement.binds) - names
@@ -61,12 +64,14 @@ class Effects:
         decorated = {id(e.statement) for e in self.effects if e.decorators}
         return [s for s in self.program.statements if s.binds or id(s) in decorated or _by_text(s)]
 
-    def _acting(self, names: set[str], workers: set[str], chosen: Mapping[int, Statement]) -> list[Statement]:
+    def _acting(
+        self, names: set[str], plain: Set[str], workers: set[str], chosen: Mapping[int, Statement]
+    ) -> list[Statement]:
         found = []
         for effect in self.effects:
-            if effect.inside & names:
+            if effect.inside & names - plain:
                 workers |= effect.statement.binds
-            if id(effect.statement) not in chosen and effect.acts_on(names, workers):
+            if id(effect.statement) not in chosen and effect.acts_on(names, plain, workers):
                 found.append(effect.statement)
         return found
 
@@ -78,9 +83,12 @@ class _Effect:
         self.statement = statement
         self._program = program
 
-    def acts_on(self, names: set[str], workers: set[str]) -> bool:
-        """Tell whether it may change one of the `names`, or calls one of the functions `workers`."""
-        return bool(self.acts & names) or bool(self.calls & workers)
+    def acts_on(self, names: set[str], plain: Set[str], workers: set[str]) -> bool:
+        """Tell whether it may change one of the `names`, or calls one of the functions `workers`.
+
+        The functions `plain` can be changed by what they decorate only, as those of `singledispatch`.
+        """
+        return bool(self.decorators & names or self.acts & (names - plain) or self.calls & workers)
 
     @cached_property
     def acts(self) -> set[str]:

@@ -240,6 +240,17 @@ def test_a_demonstration_is_never_needed(demonstration):
     assert Effects(program).needed_at_most("f") == program.needed("f")
 
 
+def test_a_demonstration_that_has_the_name_of_a_helper_is_never_needed():
+    cells = [
+        "def moved(x): return 2 * x",
+        "def f(x): return moved(x)",
+        "moved = [1]\nimport heapq\nheapq.heappush(moved, f(1))",
+        "m = moved",
+    ]
+    program = Program(enumerate(cells, start=1))
+    assert [s.cell for s in Effects(program).needed_at_most("f")] == [1, 2]
+
+
 @pytest.mark.parametrize(
     ("cells"),
     [

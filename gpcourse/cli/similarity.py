@@ -23,7 +23,13 @@ def similarity(*, submissions: Path, out: Path, threshold: float) -> None:
     from gpcourse.cli.lab import course_notebooks
     from gpcourse.grading.similarity import compare
 
-    pairs = compare(submissions, course_notebooks(), out, threshold=threshold)
+    pairs = compare(
+        submissions,
+        course_notebooks(),
+        out,
+        threshold=threshold,
+        tell=lambda words: click.echo(words, err=True),
+    )
     alike = sum(pair.with_reference for pair in pairs)
     click.echo(f"{len(pairs)} pairs to look at, {alike} of them with the reference solutions")
     click.echo(f"The report is {out / 'similarity.html'}")

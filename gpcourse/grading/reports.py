@@ -157,7 +157,9 @@ def similarity_page(
     sides: Sequence[list[list[tuple[str, bool]]]],
     count: int,
     threshold: float,
+    *,
     more: int = 0,
+    left_out: Sequence[str] = (),
 ) -> str:
     """Write the page on shared code: `sides` are the lines of both texts, and which of them are shared."""
     from markupsafe import escape
@@ -165,7 +167,9 @@ def similarity_page(
     # Escaped here, where a line keeps its indentation.
     escaped = [[[(escape(line[:_LINE]), mark) for line, mark in side] for side in two] for two in sides]
     rows = [{"pair": pair, "sides": two} for pair, two in zip(pairs, escaped, strict=True)]
-    return _render("similarity.html", pairs=rows, count=count, threshold=threshold, more=more)
+    return _render(
+        "similarity.html", pairs=rows, count=count, threshold=threshold, more=more, left_out=left_out
+    )
 
 
 def _needs_a_person(report: Report) -> bool:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
@@ -24,7 +24,7 @@ from gpcourse.exercises.course import CHAPTERS, Chapter
 from gpcourse.grading import gradebook, reports
 from gpcourse.grading.reading import Notebook, read_notebook
 from gpcourse.grading.run import chapters_in
-from gpcourse.grading.submission import Submission, read_class
+from gpcourse.grading.submission import read_class
 from gpcourse.sandbox.home import PACKAGE
 
 #: The most pairs that the page shows.
@@ -36,6 +36,10 @@ REFERENCE = "the reference solutions"
 LENGTH, WINDOW = 30, 10
 #: Characters of filtered code, a third of what was written, that a pair shares at least.
 LEAST = 100
+
+#: Characters of code that one may hand in. A whole chapter, solved, takes a quarter of that; the time that a
+#: text takes grows with its length.
+LONGEST = 600_000
 
 #: Starts and ends of the places that two texts share.
 Spans = list[tuple[int, int]]
@@ -65,7 +69,12 @@ class Pair:
 
 
 def compare(
-    folder: Path, templates: Sequence[Path], out: Path, *, threshold: float = 0.5
+    folder: Path,
+    templates: Sequence[Path],
+    out: Path,
+    *,
+    threshold: float = 0.5,
+    tell: Callable[[str], object] = lambda _: None,
 ) -> tuple[Pair, ...]:
     """Compare the submissions in `folder` with each other and with the reference; write what they share.
 
@@ -80,6 +89,8 @@ def compare(
         The notebooks as they were given out.
     threshold : float
         From 0 to 1.
+    tell : callable, optional
+        Called with a sentence on each submission that cannot be compared; the page has them too.
 
     Raises
     ------
@@ -92,22 +103,25 @@ def compare(
     if out.exists() and not out.is_dir():
         raise UsageError(f"{out} is a file; give a folder for the report")
     notebooks = [notebook for submission in submissions for notebook in submission.notebooks]
-    pairs = _pairs(submissions, templates, chapters_in(notebooks) or CHAPTERS)
+    texts = {submission.student: _code(submission.notebooks) for submission in submissions}
+    left_out = [name for name, text in texts.items() if len(text) > LONGEST]
+    for name in left_out:
+        tell(f"{gradebook.safe(name)}: {len(texts.pop(name))} characters of code are too many to compare")
+    pairs = _pairs(texts, templates, chapters_in(notebooks) or CHAPTERS)
     shown = tuple(pair for pair in pairs if pair.share >= threshold)
     gradebook.write(out / "similarity.csv", _table(pairs))
     first = shown[:MOST]
     sides = [_parts(pair) for pair in first]
-    page = reports.similarity_page(first, sides, len(submissions), threshold, more=len(shown) - len(first))
+    more = len(shown) - len(first)
+    page = reports.similarity_page(first, sides, len(texts), threshold, more=more, left_out=left_out)
     gradebook.write(out / "similarity.html", page)
     return shown
 
 
-def _pairs(
-    submissions: Sequence[Submission], templates: Sequence[Path], chapters: Sequence[Chapter]
-) -> list[Pair]:
+def _pairs(students: Mapping[str, str], templates: Sequence[Path], chapters: Sequence[Chapter]) -> list[Pair]:
     given = _fingerprint("the notebooks of the course", _code(list(map(read_notebook, templates))), [])
-    texts = {submission.student: _code(submission.notebooks) for submission in submissions}
-    texts[REFERENCE] = "\n\n".join(_reference(chapter) for chapter in chapters)
+    reference = "\n\n".join(_reference(chapter) for chapter in chapters)
+    texts = {**students, REFERENCE: reference}
     boilerplate = sorted(given.hashes)
     prints = [_fingerprint(name, text, boilerplate) for name, text in texts.items()]
     pairs = [_pair(a, b) for a, b in combinations((p for p in prints if len(p.hashes)), 2)]

@@ -4,6 +4,7 @@ import csv
 import json
 import re
 import sys
+import time
 
 import pytest
 from click.testing import CliRunner
@@ -125,3 +126,14 @@ def test_the_page_shows_the_most_alike_and_counts_the_others(folder, tmp_path, m
     assert len(pairs) > 2
     assert page.count('<details class="pair') == 1
     assert f"the other {len(pairs) - 1} are in similarity.csv" in page
+
+
+def test_what_is_too_long_to_compare_holds_nobody_up_and_is_named(folder, tmp_path):
+    (folder / "mal.ipynb").write_text(notebook("x = 1\n" * 10**6), "utf-8")
+    told = []
+    start = time.process_time()
+    pairs = compare(folder, course_notebooks(), tmp_path / "out", tell=told.append)
+    assert time.process_time() - start < 30
+    assert frozenset(("ann", "bob")) in {frozenset(pair.names) for pair in pairs}
+    assert [words.split(":")[0] for words in told] == ["mal"]
+    assert "<b>mal</b>" in (tmp_path / "out" / "similarity.html").read_text("utf-8")

@@ -149,12 +149,10 @@ _Given = tuple[tuple[Any, ...], dict[str, Any]]
 
 
 def _changed(function: Callable[..., Any], before: _Given, after: _Given) -> tuple[str, ...]:
+    odd = [i for i, (old, new) in enumerate(zip(before[0], after[0], strict=True)) if not same(old, new)]
     names: list[str] = []
-    with contextlib.suppress(TypeError, ValueError):  # a builtin, or a callable that hides its signature
-        names = list(inspect.signature(function).parameters)
-    by_position = (
-        names[i] if i < len(names) else f"argument {i + 1}"
-        for i, (old, new) in enumerate(zip(before[0], after[0], strict=True))
-        if not same(old, new)
-    )
+    if odd:
+        with contextlib.suppress(TypeError, ValueError):  # a builtin, or a callable that hides its signature
+            names = list(inspect.signature(function).parameters)
+    by_position = (names[i] if i < len(names) else f"argument {i + 1}" for i in odd)
     return *by_position, *(name for name, old in before[1].items() if not same(old, after[1][name]))

@@ -46,10 +46,10 @@ class Encoder:
         """Return the tree of `value`; its arrays are appended to `buffers`."""
         if depth > MAX_DEPTH:
             raise WireError(f"a value nested more than {MAX_DEPTH} levels deep")
-        for kinds, write in _WRITERS:
-            if isinstance(value, kinds):
-                return write(self, value, depth)
-        return self._other(value, depth)
+        write = _WRITER_OF.get(type(value))
+        if write is None:
+            write = next((w for kinds, w in _WRITERS if isinstance(value, kinds)), Encoder._other)
+        return write(self, value, depth)
 
     def _same(self, value: object, depth: int) -> Any:
         return value
@@ -198,6 +198,24 @@ _WRITERS: tuple[tuple[Any, Callable[..., Any]], ...] = (
     (HalfedgeMesh, Encoder._mesh),
     (tuple(FUNCTIONS.values()), Encoder._function),
 )
+
+_COMMON = (
+    NoneType,
+    bool,
+    str,
+    int,
+    float,
+    np.float64,
+    np.int64,
+    np.bool_,
+    np.ndarray,
+    list,
+    tuple,
+    dict,
+    HalfedgeMesh,
+)
+#: The first of `_WRITERS` that fits, for the types that come most often.
+_WRITER_OF = {kind: next(w for kinds, w in _WRITERS if issubclass(kind, kinds)) for kind in _COMMON}
 
 
 def little(dtype: np.dtype[Any]) -> str:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
+
+_PLAIN = (int, float, str, bool)
 
 
 def same(a: object, b: object, tolerance: float = 0.0) -> bool:
@@ -15,7 +17,7 @@ def same(a: object, b: object, tolerance: float = 0.0) -> bool:
     Lists, tuples and arrays of the same shape and numbers are the same; so are sparse and dense
     matrices. `tolerance` is relative to the largest number of `a`. NaN equals NaN.
     """
-    if a is b:
+    if a is b or _plainly_same(a, b):
         return True
     if isinstance(a, Mapping) and isinstance(b, Mapping):
         return a.keys() == b.keys() and all(same(a[k], b[k], tolerance) for k in a)
@@ -28,6 +30,17 @@ def same(a: object, b: object, tolerance: float = 0.0) -> bool:
     if isinstance(a, (list, tuple)) and isinstance(b, (list, tuple)) and not _numeric(a):
         return len(a) == len(b) and all(same(x, y, tolerance) for x, y in zip(a, b, strict=True))
     return _same_numbers(a, b, tolerance)
+
+
+def _plainly_same(a: object, b: object) -> bool:
+    """Tell quickly of two arrays, or lists of Python's numbers and strings, that they are equal; else False."""
+    if type(a) is not type(b):
+        return False
+    if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):
+        return a.dtype == b.dtype and a.dtype.kind in "biufc" and a.shape == b.shape and bool((a == b).all())
+    if isinstance(a, (list, tuple)):
+        return a == b if all(type(item) in _PLAIN for item in (*a, *cast(Any, b))) else False
+    return False
 
 
 def _numeric(value: object) -> bool:

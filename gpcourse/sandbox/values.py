@@ -33,7 +33,7 @@ def same(a: object, b: object, tolerance: float = 0.0) -> bool:
 
 
 def _plainly_same(a: object, b: object) -> bool:
-    """Tell quickly of two arrays, or lists of Python's numbers and strings, that they are equal; else False."""
+    """Tell quickly that two arrays, or lists of Python's numbers and strings, are equal; else False."""
     if type(a) is not type(b):
         return False
     if isinstance(a, np.ndarray) and isinstance(b, np.ndarray):

@@ -7,6 +7,7 @@ can lead anywhere. What it unpacks to is measured while it unpacks; its headers 
 from __future__ import annotations
 
 import io
+import re
 import stat
 import struct
 import zipfile
@@ -28,6 +29,9 @@ MAX_DEPTH = 2
 #: will do.
 MAX_RATIO = 200
 RATIO_FLOOR = 10 * 2**20
+
+#: The endings of archives. Of these only zip files are opened.
+ARCHIVES = (".zip", ".7z", ".rar", ".tar", ".gz", ".tgz", ".bz2", ".xz")
 
 _PIECE = 2**20
 _CENTRAL = b"PK\x01\x02"  # begins the entry of each member in a zip file's table of contents
@@ -59,8 +63,8 @@ class Entry:
 
     @property
     def suffix(self) -> str:
-        """The ending of its name, in small letters, with the dot."""
-        return Path(self.name).suffix.lower()
+        """The ending of its name, in small letters, with the dot; of ada.ipynb.txt too that is .ipynb."""
+        return Path(plain(self.name)).suffix.lower()
 
 
 @dataclass
@@ -69,6 +73,11 @@ class Budget:
 
     size: int = MAX_UPLOAD
     files: int = MAX_FILES
+
+
+def plain(name: str) -> str:
+    """Leave out what browsers and mail programs put behind the name of a notebook."""
+    return re.sub(r"(\.ipynb)(\.txt|\.json)+$", r"\1", name, flags=re.IGNORECASE)
 
 
 def hidden(name: str) -> bool:
@@ -98,7 +107,14 @@ def read_file(path: Path) -> bytes:
 
 def folder_entries(folder: Path, above: tuple[str, ...] = ()) -> Iterator[Entry]:
     """Yield what lies in a folder, at any depth, sorted; a link is an entry that cannot be read."""
-    for path in sorted(folder.iterdir()):
+    try:
+        paths = sorted(folder.iterdir())
+    except OSError as error:
+        if not above:
+            raise
+        yield Entry((*above, "folder.ipynb"), _cannot_open(error.strerror or "it cannot be opened"))
+        return
+    for path in paths:
         if hidden(path.name):
             continue
         parts = (*above, _text(path.name))
@@ -106,6 +122,13 @@ def folder_entries(folder: Path, above: tuple[str, ...] = ()) -> Iterator[Entry]
         yield Entry(parts, lambda path=path: read_file(path), folder=path.is_dir())  # type: ignore[misc]
         if path.is_dir() and not link:
             yield from folder_entries(path, parts)
+
+
+def _cannot_open(reason: str) -> Callable[[], bytes]:
+    def read() -> bytes:
+        raise Unreadable(f"its folder cannot be opened: {reason}")
+
+    return read
 
 
 @contextmanager

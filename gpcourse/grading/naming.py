@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import PurePath
 from typing import Literal
 
-from gpcourse.grading.archives import Entry
+from gpcourse.grading.archives import ARCHIVES, Entry, plain
 
 Platform = Literal["", "moodle", "canvas"]
 
@@ -99,6 +99,6 @@ def _plain(entry: Entry) -> Claim | None:
     top, inner = entry.parts[0], entry.parts[1:]
     if entry.folder or inner:
         return Claim(Owner(named(top)), Entry(inner or (".",), entry.read, entry.folder), f"the folder {top}")
-    if entry.suffix in (".ipynb", ".py", ".zip"):
-        return Claim(Owner(named(PurePath(top).stem)), entry, top)
+    if entry.suffix in (".ipynb", ".py", *ARCHIVES):
+        return Claim(Owner(named(PurePath(plain(top)).stem.removesuffix(".tar"))), entry, top)
     return None

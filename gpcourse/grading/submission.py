@@ -10,6 +10,7 @@ from pathlib import Path
 
 from gpcourse.errors import UsageError
 from gpcourse.grading.archives import (
+    ARCHIVES,
     MAX_DEPTH,
     Budget,
     Entry,
@@ -25,7 +26,6 @@ __all__ = ["Notebook", "Owner", "Submission", "read_class", "read_folder", "read
 
 #: What lies beside ``submitted`` in the folder of a course of nbgrader.
 _NBGRADER = ("nbgrader_config.py", "gradebook.db", "source", "release", "autograded")
-_ARCHIVES = (".zip", ".7z", ".rar", ".tar", ".gz", ".tgz", ".bz2", ".xz")
 #: hw.ipynb, hw-1.ipynb (Canvas, when handed in anew), hw (2).ipynb (a browser).
 _COUNTED = re.compile(r"(.*?)(?:-(\d{1,6})| ?\((\d{1,6})\))?", re.DOTALL)
 _GIVE = "give the folder or the zip file that holds the submissions"
@@ -190,7 +190,7 @@ def _notebooks(entry: Entry, budget: Budget, depth: int) -> Iterator[Notebook]:
         inner = [replace(each, parts=(*entry.parts, *each.parts)) for each in inner if not each.folder]
         found = [n for each in sorted(inner, key=_order) for n in _notebooks(each, budget, depth + 1)]
         yield from found or [unreadable(name, "the zip file holds no notebook")]
-    elif entry.suffix in _ARCHIVES:
+    elif entry.suffix in ARCHIVES:
         yield unreadable(name, "it is not opened; ask for the notebook itself, or a zip file")
 
 

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -167,3 +168,24 @@ def test_what_comes_after_damage_is_not_guessed(tmp_path):
     path = tmp_path / "ada.ipynb"
     path.write_text(text.replace('"x = 2"', '"x = 2'))
     assert [source for _, source in read_notebook(path).cells] == ["x = 0", "x = 1"]
+
+
+def test_no_one_who_handed_something_in_is_passed_over(tmp_path, monkeypatch):
+    folder = tmp_path / "class"
+    (folder / "shut").mkdir(parents=True)
+    (folder / "ada.ipynb.txt").write_text(notebook(SOURCE))
+    (folder / "bo.rar").write_bytes(b"Rar!")
+    (folder / "cy.tar.gz").write_bytes(b"\x1f\x8b")
+    iterdir = Path.iterdir
+
+    def refuse(path):
+        if path.name == "shut":
+            raise PermissionError(13, "Permission denied")
+        return iterdir(path)
+
+    monkeypatch.setattr(Path, "iterdir", refuse)
+    found = {s.student: s for s in read_folder(folder)}
+    assert sorted(found) == ["ada", "bo", "cy", "shut"]
+    assert found["ada"].readable
+    assert "it is not opened" in found["bo"].notes[0]
+    assert "Permission denied" in found["shut"].notes[0]

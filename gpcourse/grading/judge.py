@@ -154,9 +154,21 @@ class _Room:
         judged = self._judge(exercise, judge)
         if self.used and judged.verdict.outcome != "passed":
             # What another exercise did to the process is not this one's fault: ask once more in a new one.
-            self.worker.close()
+            self.worker.renew(name)
             judged = self._judge(exercise, judge)
+        if judged.verdict.outcome != "passed" and name in self.survey.unsure:
+            judged = self._with_more(exercise, judge, judged)
         self.used = True
+        return judged
+
+    def _with_more(self, exercise: Exercise, judge: Judge, judged: Judged) -> Judged:
+        """Ask again where all is run that the function may need; this counts if it brings points."""
+        failures = dict(self.failures)
+        self.worker.renew(exercise.name, most=True)
+        again = self._judge(exercise, judge)
+        if again.verdict.points > judged.verdict.points:
+            return again
+        self.failures = failures
         return judged
 
     def _judge(self, exercise: Exercise, judge: Judge) -> Judged:

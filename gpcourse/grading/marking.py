@@ -134,7 +134,7 @@ class Marker:
 
     def _written(self, report: Report, feedback: Callable[[Verdict], str]) -> Marked:
         with self._drawing:  # nor is Matplotlib
-            page = reports.student_page(report, self.task.chapters, self.task.seed, feedback)
+            page = reports.student_page(report, self.task.chapters, feedback)
         return Marked(without_answers(report), page, gradebook.gradescope(report))
 
     def stop(self) -> None:
@@ -162,9 +162,7 @@ def not_marked(submission: Submission, task: Task, fault: str) -> Marked:
     """Return what is written of a submission that could not be judged, through no fault of the student's."""
     judged = tuple(Judged(Verdict(exercise, "grader fault")) for exercise in task.exercises)
     report = Report(submission.student, "grader fault", judged, confinement=task.limits.least, fault=fault)
-    return Marked(
-        report, reports.student_page(report, task.chapters, task.seed), gradebook.gradescope(report)
-    )
+    return Marked(report, reports.student_page(report, task.chapters), gradebook.gradescope(report))
 
 
 #: What crosses from another process: a report as plain data, and the texts.

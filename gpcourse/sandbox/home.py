@@ -10,7 +10,7 @@ PACKAGE = Path(__file__).resolve().parent.parent
 
 #: The modules of the sandbox that run in the worker.
 _SANDBOX = (
-    "__init__", "call", "deadline", "values", "encoding", "decoding", "wire", "program", "worker",
+    "__init__", "call", "deadline", "values", "encoding", "decoding", "wire", "program", "effects", "worker",
     "landlock", "seccomp", "lockdown", "namespaces", "parent",
 )  # fmt: skip
 

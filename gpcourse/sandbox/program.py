@@ -24,18 +24,11 @@ from gpcourse.sandbox.call import Trouble, describe
 
 #: Methods that change what they belong to: a bare call of one counts as a binding of the name before the dot.
 MUTATORS = {
-    "append",
-    "extend",
-    "insert",
-    "add",
-    "update",
-    "setdefault",
-    "pop",
-    "remove",
-    "clear",
-    "sort",
-    "fill",
-}
+    "append", "appendleft", "extend", "extendleft", "insert", "add", "update", "setdefault", "pop", "popitem",
+    "popleft", "remove", "discard", "clear", "sort", "reverse", "rotate", "fill", "put", "resize", "setdiag",
+}  # fmt: skip
+#: Those of them that are called for their result too.
+TAKERS = {"pop", "popitem", "popleft", "setdefault"}
 
 #: Cell magics whose body is Python. The body of any other one is not.
 PYTHON_MAGICS = ("time", "timeit", "capture", "prun", "python", "python3", "py3")
@@ -78,6 +71,8 @@ class Statement:
     fills : frozenset of str
         Of those it binds, the ones that get no function from it, as far as can be told: the
         variables of a loop, a number, a list.
+    declares : bool
+        Whether a function in it says ``global``.
     always : bool
         Whether every function needs it.
     """
@@ -89,13 +84,16 @@ class Statement:
     calls: frozenset[str] = frozenset()
     defines: frozenset[str] = frozenset()
     fills: frozenset[str] = frozenset()
+    declares: bool = False
     always: bool = False
+    _codes: dict[int, CodeType] = field(default_factory=dict, repr=False, compare=False)
 
     def compile(self, flags: int) -> CodeType:
-        """Compile it, so that errors quote its cell and line."""
-        module = ast.Module([self.node], type_ignores=[])
-        code: CodeType = compile(module, f"<cell {self.cell}>", "exec", flags, dont_inherit=True)
-        return code
+        """Compile it, once for all functions that need it, so that errors quote its cell and line."""
+        if flags not in self._codes:
+            module = ast.Module([self.node], type_ignores=[])
+            self._codes[flags] = compile(module, f"<cell {self.cell}>", "exec", flags, dont_inherit=True)
+        return self._codes[flags]
 
 
 class Program:
@@ -204,7 +202,7 @@ def parse(source: str, name: str) -> ast.Module:
 
 def _parse(source: str, name: str) -> tuple[ast.Module, str]:
     """Parse the source of a cell; return the text that was parsed in the end too."""
-    lines = _without_cell_magic(source).split("\n")
+    lines = _without_prompts(_without_cell_magic(source)).split("\n")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # an invalid escape in a docstring
         for _ in range(_MOST_MAGICS):
@@ -217,6 +215,9 @@ def _parse(source: str, name: str) -> tuple[ast.Module, str]:
                 plain = _plain_line(lines[at]) if 0 <= at < len(lines) else None
                 if plain is None:
                     raise
+                while lines[at].endswith("\\") and at + 1 < len(lines):  # the next line belongs to it
+                    lines[at], at = plain, at + 1
+                    plain = ""
                 lines[at] = plain
     text = "\n".join(lines)
     return ast.parse(text, name), text
@@ -231,10 +232,24 @@ def _without_cell_magic(source: str) -> str:
     return blank + rest if head[2:].split(maxsplit=1)[:1] in ([m] for m in PYTHON_MAGICS) else ""
 
 
+def _without_prompts(source: str) -> str:
+    """Leave out what IPython leaves out of a pasted cell: the indent of the first line, and ``>>> ``."""
+    first = next((line for line in source.split("\n") if line.strip()), "")
+    indent = first[: len(first) - len(first.lstrip(" \t"))]
+    if indent:
+        source = re.sub(f"^{indent}", "", source, flags=re.MULTILINE)
+    if first.lstrip().startswith(">>> "):
+        source = re.sub(r"^(>>> |\.\.\. ?)", "", source, flags=re.MULTILINE)
+    return source
+
+
 def _plain_line(line: str) -> str | None:
     """Return Python that does nothing in place of a line of IPython's own, or None for any other line."""
     body = line.lstrip()
     indent = line[: len(line) - len(body)]
+    timed = re.match(r"%time\s+(\w[\w, ]*=[^=].*)", body)
+    if timed:
+        return f"{indent}{timed[1]}"
     if body.startswith(("%", "!", "?")) or re.fullmatch(r"[\w.]+\s*\?{1,2}\s*", body):
         return f"{indent}pass"
     shell = re.match(r"([\w, ]+)=\s*[%!]\s*[\w.]", body)
@@ -242,9 +257,8 @@ def _plain_line(line: str) -> str | None:
 
 
 def _analyse(number: int, node: ast.stmt, lines: Sequence[bytes]) -> Statement:
-    names = _Names()
-    names.look(node)
-    binds, reads, defines = set(names.changed), set(names.changed), set()
+    changed = frozenset(changes(node))
+    binds, reads, defines = set(changed), set(changed), set()
     try:
         table = symtable.symtable(_text(node, lines), "<cell>", "exec")
     except (SyntaxError, RecursionError, ValueError):  # compiling the statement will say so
@@ -256,16 +270,18 @@ def _analyse(number: int, node: ast.stmt, lines: Sequence[bytes]) -> Statement:
             reads.add(symbol.get_name())
         if symbol.is_namespace():
             defines.add(symbol.get_name())
-    reads.update(_globals(table.get_children()))
+    inner = list(_globals(table.get_children()))
+    reads.update(symbol.get_name() for symbol in inner)
     star = isinstance(node, ast.ImportFrom) and any(alias.name == "*" for alias in node.names)
     return Statement(
         number,
         node,
         frozenset(binds),
         frozenset(reads),
-        calls=frozenset(reads & names.called - names.read),
+        calls=frozenset(reads) & _only_called(node),
         defines=frozenset(defines),
         fills=frozenset(binds - defines) if _fills(node) else frozenset(),
+        declares=any(symbol.is_declared_global() for symbol in inner),
         always=star or _sets_recursion(node),
     )
 
@@ -283,49 +299,22 @@ def _text(node: ast.stmt, lines: Sequence[bytes]) -> str:
     return b"\n".join(chosen).decode("utf-8", "replace")
 
 
-@dataclass
-class _Names:
-    """The names in a statement: what its expressions call, read otherwise, and change in place."""
-
-    called: set[str] = field(default_factory=set)
-    read: set[str] = field(default_factory=set)
-    changed: set[str] = field(default_factory=set)
-
-    def look(self, node: ast.AST) -> None:
-        """Walk through a statement. Functions change what they are given when they are called, not now."""
-        waiting = [(node, False)]
-        while waiting:
-            inner, inside = waiting.pop()
-            kind = type(inner)
-            if kind is ast.Name:
-                if type(inner.ctx) is ast.Load:  # type: ignore[attr-defined]
-                    self.read.add(inner.id)  # type: ignore[attr-defined]
-                continue
-            if not inside:
-                self._note_change(inner)
-                inside = kind in _FUNCTIONS
-            for name in inner._fields:
-                value = getattr(inner, name, None)
-                if type(value) is list:
-                    waiting.extend((child, inside) for child in value if isinstance(child, ast.AST))
-                elif kind is ast.Call and type(value) is ast.Name:
-                    self.called.add(value.id)
-                elif isinstance(value, ast.AST) and name != "ctx":
-                    waiting.append((value, inside))
-
-    def _note_change(self, inner: ast.AST) -> None:
-        """Note what is changed: ``a[0] = 1``, ``a.b = 1``, ``a.append(1)`` change a."""
-        target: Any = None
-        if isinstance(inner, (ast.Subscript, ast.Attribute)) and isinstance(inner.ctx, ast.Store):
-            target = inner.value
-        elif isinstance(inner, ast.Expr) and isinstance(inner.value, ast.Call):
-            method = inner.value.func
-            if isinstance(method, ast.Attribute) and method.attr in MUTATORS:
-                target = method.value
-        while isinstance(target, (ast.Subscript, ast.Attribute)):
-            target = target.value
-        if isinstance(target, ast.Name):
-            self.changed.add(target.id)
+def _only_called(node: ast.stmt) -> frozenset[str]:
+    """Return the names that a statement calls, and that it does not read otherwise."""
+    called: set[str] = set()
+    other: set[str] = set()
+    waiting: list[ast.AST] = [node]
+    while waiting:
+        inner = waiting.pop()
+        if isinstance(inner, ast.Call) and isinstance(inner.func, ast.Name):
+            called.add(inner.func.id)
+            waiting += [*inner.args, *inner.keywords]
+        elif isinstance(inner, ast.Name):
+            if isinstance(inner.ctx, ast.Load):
+                other.add(inner.id)
+        else:
+            waiting.extend(ast.iter_child_nodes(inner))
+    return frozenset(called - other)
 
 
 def _fills(node: ast.stmt) -> bool:
@@ -336,10 +325,49 @@ def _fills(node: ast.stmt) -> bool:
     return isinstance(node, (ast.For, ast.While, ast.With))
 
 
-def _globals(tables: Sequence[symtable.SymbolTable]) -> Iterator[str]:
+def _globals(tables: Sequence[symtable.SymbolTable]) -> Iterator[symtable.Symbol]:
     for table in tables:
-        yield from (symbol.get_name() for symbol in table.get_symbols() if symbol.is_global())
+        yield from (symbol for symbol in table.get_symbols() if symbol.is_global())
         yield from _globals(table.get_children())
+
+
+def changes(node: ast.AST) -> Iterator[str]:
+    """Yield the names whose values are changed in place: ``a[0] = 1``, ``a.b = 1``, ``a.append(1)``."""
+    for inner in outside_functions(node):
+        target: Any = None
+        if isinstance(inner, (ast.Subscript, ast.Attribute)) and not isinstance(inner.ctx, ast.Load):
+            target = inner.value
+        elif isinstance(inner, ast.NamedExpr):  # in a comprehension it binds a name around it
+            target = inner.target
+        elif isinstance(inner, ast.Expr):
+            target = _mutated(
+                inner.value.elt if isinstance(inner.value, ast.ListComp) else inner.value, MUTATORS
+            )
+        elif isinstance(inner, ast.Call):
+            target = _mutated(inner, TAKERS)
+        while isinstance(target, (ast.Subscript, ast.Attribute)):
+            target = target.value
+        if isinstance(target, ast.Name):
+            yield target.id
+
+
+def _mutated(call: ast.AST, methods: set[str]) -> ast.AST | None:
+    """Return what a call of one of these methods changes: T in ``T.setdefault(k, []).append(1)`` too."""
+    method = call.func if isinstance(call, ast.Call) else None
+    if not isinstance(method, ast.Attribute) or method.attr not in methods:
+        return None
+    target: ast.AST = method.value
+    while isinstance(target, (ast.Subscript, ast.Attribute, ast.Call)):
+        target = target.func if isinstance(target, ast.Call) else target.value
+    return target
+
+
+def outside_functions(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield a node and what is in it, but for the bodies of functions and classes."""
+    yield node
+    if not isinstance(node, _FUNCTIONS):
+        for child in ast.iter_child_nodes(node):
+            yield from outside_functions(child)
 
 
 def _sets_recursion(node: ast.stmt) -> bool:

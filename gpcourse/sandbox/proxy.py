@@ -31,12 +31,16 @@ _STATUS_OF: dict[str, Status] = {status: status for status in _STATUSES}
 
 @dataclass(frozen=True)
 class Survey:
-    """What a notebook holds: the names it binds, those that are stubs, and what is wrong with cells."""
+    """What a notebook holds: the names it binds, those that are stubs, and what is wrong with cells.
+
+    Of those that were asked for, `unsure` are the ones that may need more than what binds their names.
+    """
 
     names: tuple[str, ...] = ()
     stubs: tuple[str, ...] = ()
     broken: tuple[Trouble, ...] = ()
     crash: Trouble | None = None
+    unsure: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -119,6 +123,7 @@ class Worker:
     _ready: dict[str, Ready] = field(default_factory=dict)
     _loaded: set[int] = field(default_factory=set)
     _needs: dict[str, set[int]] = field(default_factory=dict)
+    _widened: set[str] = field(default_factory=set)
     _kept: dict[str, int] = field(default_factory=dict)
     spent: float = field(default=0.0, init=False)
 
@@ -149,8 +154,21 @@ class Worker:
             return Survey(crash=self._trouble(gone))
         self._needs = _needs(wanted, reply.get("needs"))
         return Survey(
-            _words(reply.get("names")), _words(reply.get("stubs")), _troubles(reply.get("broken"), self._line)
+            _words(reply.get("names")),
+            _words(reply.get("stubs")),
+            _troubles(reply.get("broken"), self._line),
+            unsure=_words(reply.get("unsure")),
         )
+
+    def renew(self, name: str, *, most: bool = False) -> None:
+        """Forget what the function `name` answered, and ask it in a new process from now on.
+
+        There is run what it needs, or may need at `most`.
+        """
+        self.close()
+        self._kept.pop(name, None)
+        if most:
+            self._widened.add(name)
 
     def prepare(self, name: str) -> Ready:
         """Run what the function `name` needs, once in each process."""
@@ -241,14 +259,16 @@ class Worker:
         return self._line.request("load", seconds, self.limits.wall(seconds), **cells, wanted=list(wanted))
 
     def _prepare(self, name: str) -> Ready:
-        needed = self._needs.get(name, {number for number, _ in self.cells})
+        most = name in self._widened
+        every = {number for number, _ in self.cells}
+        needed = every if most else self._needs.get(name, every)
         if not needed <= self._loaded or self._line is None:
             self._load(needed)
         if name not in self._ready and self._line is not None:
             seconds = self.limits.load
             wall = self.limits.wall(seconds)
             reply = self._line.request(
-                "prepare", seconds + GRACE, wall + GRACE, name=name, limit=seconds, wall=wall
+                "prepare", seconds + GRACE, wall + GRACE, name=name, limit=seconds, wall=wall, most=most
             )
             status = str(reply.get("status"))[:20]
             status = status if status in ("ready", "missing", *_STATUSES) else "raised"

@@ -4,8 +4,9 @@ It knows of no exercise, check, seed or solution. Its requests and replies are t
 that were its standard input and output; student code finds nothing but the null device there. The requests:
 
 - ``load`` (numbers, sizes, text, wanted): read cells; which functions there are, which are stubs, which cells
-  are broken, which cells each of the `wanted` names needs;
-- ``prepare`` (name, limit, wall): run what that function needs, in a namespace of its own;
+  are broken, which cells each of the `wanted` names needs, and which of them may need more than that;
+- ``prepare`` (name, limit, wall, most): run what that function needs, or may need at most (see `effects`), in
+  a namespace of its own;
 - ``call`` (name, refusals, limit, wall), and after it a frame (arguments, options) for each of `refusals`:
   call it so many times, one reply a call. After a call that did not return, the others are skipped; where the
   item of `refusals` is True they are not, if the call raised an exception.
@@ -36,6 +37,7 @@ from gpcourse.errors import WireError
 from gpcourse.sandbox import wire
 from gpcourse.sandbox.call import LONGEST_NAME, Answer, Trouble, call, describe
 from gpcourse.sandbox.deadline import TimeLimit, deadline
+from gpcourse.sandbox.effects import Effects
 from gpcourse.sandbox.landlock import Grant
 from gpcourse.sandbox.lockdown import lock, readings
 from gpcourse.sandbox.program import Program, Statement
@@ -66,6 +68,7 @@ class Notebook:
 
     def __init__(self) -> None:
         self.program = Program()
+        self.effects = Effects(self.program)
         self.rooms: dict[str, Room] = {}
 
     def load(self, numbers: list[int], sizes: list[int], text: bytes, wanted: list[str]) -> Message:
@@ -75,20 +78,28 @@ class Notebook:
             (n, text[end - size : end].decode()) for n, size, end in zip(numbers, sizes, ends, strict=True)
         )
         self.program.add(cells)
+        self.effects = Effects(self.program)
         names = sorted(name for name in self.program.binders if len(name) <= LONGEST_NAME)[:_MOST_NAMES]
         return {
             "names": names,
             "stubs": [name for name in names if self.program.is_stub(name)],
             "broken": [astuple(trouble) for _, trouble, _ in self.program.broken[:_MOST_NOTES]],
             "needs": [self.program.cells_for(name) for name in wanted],
+            "unsure": [name for name in wanted if self._may_need_more(name)],
         }
 
-    def prepare(self, name: str, limit: float, wall: float) -> Message:
-        """Run what `name` needs; the status is ``ready``, ``missing`` or that of an `Answer`."""
+    def _may_need_more(self, name: str) -> bool:
+        return len(self.effects.needed_at_most(name)) > len(self.program.needed(name))
+
+    def prepare(self, name: str, limit: float, wall: float, *, most: bool = False) -> Message:
+        """Run what `name` needs, or may need at `most`.
+
+        The status is ``ready``, ``missing`` or that of an `Answer`.
+        """
         room = self.rooms[name] = Room(_module())
         try:
             with deadline(limit, wall):
-                self._run_all(name, room)
+                self._run_all(name, room, most=most)
         except TimeLimit as error:
             room.status, room.trouble = "timeout", describe(error)
         if room.status == "ready" and not callable(vars(room.module).get(name)):
@@ -97,14 +108,14 @@ class Notebook:
         notes = room.notes[:_MOST_NOTES]
         return {"status": room.status, "trouble": _plain(room.trouble), "notes": notes}
 
-    def _run_all(self, name: str, room: Room) -> None:
+    def _run_all(self, name: str, room: Room, *, most: bool) -> None:
         """Run what `name` needs, in order. A name that is only called keeps its last function.
 
         Where the student tried it, right below the definition, no demonstration had taken the name yet.
         """
         functions: dict[str, Any] = {}
         namespace = vars(room.module)
-        for statement in self.program.needed(name):
+        for statement in self.effects.needed_at_most(name) if most else self.program.needed(name):
             self._run(statement, room, name)
             functions |= {n: namespace[n] for n in statement.binds if callable(namespace.get(n))}
         for each in self.program.called(name) & functions.keys():

@@ -97,7 +97,7 @@ def hostile_class(tmp_path):
     one = Report(HOSTILE, "grader fault", judged, (HOSTILE,), fault=HOSTILE)
     names = gradebook.file_names([HOSTILE])
     student = tmp_path / "students" / f"{names[HOSTILE]}.html"
-    gradebook.write(student, reports.student_page(one, CHAPTERS[:1], 0))
+    gradebook.write(student, reports.student_page(one, CHAPTERS[:1]))
     gradebook.write(
         tmp_path / "index.html", reports.class_page([one], CHAPTERS[:1], [exercise, exercise], 0, names)
     )

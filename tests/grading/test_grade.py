@@ -106,11 +106,12 @@ def test_the_same_seed_gives_the_same_files_and_another_seed_other_inputs(tmp_pa
     walk = "\n".join(cell["source"] for cell in cells if cell["source"].startswith(wanted))
     folder = write(tmp_path / "class", "ada", source=walk)
     write(folder, "cy", source="def genus(mesh):\n    return object()")
+    write(folder, "di", source="def read_off(text):\n    raise ArithmeticError(text[:99])")
     first = files(grade(folder, tmp_path / "a", seed=3, jobs=2).out)
     assert first == files(grade(folder, tmp_path / "b", seed=3, jobs=1).out)
     other = files(grade(folder, tmp_path / "b", seed=4).out)
     assert other["grades.csv"] == first["grades.csv"]
-    assert other["students/ada.html"] != first["students/ada.html"]
+    assert other["students/di.html"] != first["students/di.html"]
 
 
 def write(folder, *names, source="def triangle_area(a, b, c): return 1"):
@@ -119,6 +120,21 @@ def write(folder, *names, source="def triangle_area(a, b, c): return 1"):
         cells = [{"cell_type": "code", "source": source}]
         (folder / f"{name}.ipynb").write_text(json.dumps({"cells": cells}), encoding="utf-8")
     return folder
+
+
+def test_nothing_that_is_handed_out_tells_the_seed_or_another_student(tmp_path):
+    seed = 918273645
+    folder = write(tmp_path / "class", "adalovelace", source="def genus(mesh):\n    return 1")
+    write(folder, "emmynoether", source="def genus(mesh):\n    raise ValueError(mesh)")
+    out = grade(folder, tmp_path / "grades", seed=seed, jobs=1, junit=True).out
+    given = [*(out / "students").iterdir(), *(out / "gradescope").rglob("results.json")]
+    assert len(given) == 4
+    for path in given:
+        text = path.read_text("utf-8")
+        assert str(seed) not in text
+        assert ("emmynoether" in text) + ("adalovelace" in text) <= 1
+        assert str(tmp_path) not in text
+    assert str(seed) not in (out / "junit.xml").read_text("utf-8")
 
 
 def test_the_chapters_are_those_that_were_handed_in(tmp_path):

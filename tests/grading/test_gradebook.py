@@ -156,7 +156,7 @@ def test_the_class_page_counts_named_mistakes(exercise):
 
 
 def test_a_student_page_quotes_the_feedback(exercise):
-    words = " ".join(Tags(reports.student_page(report(exercise, lambda x: x**2), CHAPTERS, 7)).words)
+    words = " ".join(Tags(reports.student_page(report(exercise, lambda x: x**2), CHAPTERS)).words)
     for text in ("zero stays zero", "three becomes six", "it was squared", "What is two times three?"):
         assert text in words
 
@@ -168,13 +168,13 @@ def test_what_a_student_writes_is_text_on_a_page(exercise, name):
 
     one = report(exercise, nasty, name, notes=("<b onclick=alert(1)>",))
     for page in (
-        reports.student_page(one, CHAPTERS, 0),
+        reports.student_page(one, CHAPTERS),
         reports.class_page([one], CHAPTERS, [exercise], 0, gradebook.file_names([name])),
     ):
         tags = Tags(page)
         assert not {"script", "img", "iframe", "object"} & set(tags.tags)
         assert not any(attribute.startswith("on") for attribute in tags.attributes)
-    assert "<script>alert" in " ".join(Tags(reports.student_page(one, CHAPTERS, 0)).words)
+    assert "<script>alert" in " ".join(Tags(reports.student_page(one, CHAPTERS)).words)
 
 
 def test_no_path_and_no_fault_of_ours_is_handed_out(exercise):
@@ -191,7 +191,7 @@ def test_no_path_and_no_fault_of_ours_is_handed_out(exercise):
     ours = Report("ada", "grader fault", (Judged(judge(exercise, broken, 0)),), fault="OSError: /srv/grade")
     names = {"ada": "ada"}
     for each in (one, ours):
-        page = reports.student_page(each, CHAPTERS, 0)
+        page = reports.student_page(each, CHAPTERS)
         for text in (page, gradebook.gradescope(each), junit([each])):
             assert "/srv" not in text
             assert "Traceback" not in text
@@ -242,7 +242,7 @@ def test_the_times_are_those_of_the_answers(exercise):
 
 
 def test_pages_load_nothing_from_elsewhere(exercise):
-    page = reports.student_page(report(exercise, np.sqrt), CHAPTERS, 0)
+    page = reports.student_page(report(exercise, np.sqrt), CHAPTERS)
     assert "http://" not in page
     assert "https://" not in page
 

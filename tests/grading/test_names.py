@@ -88,7 +88,7 @@ def test_pages_hold_the_name_as_text(name):
     files = {"ada": "ada", name: gradebook.file_names([name])[name]}
     pages = [reports.class_page([report(n)], [CHAPTER], CHAPTER.exercises, 1, files) for n in files]
     same_page(*pages)
-    same_page(*(reports.student_page(report(n), [CHAPTER], 1) for n in files))
+    same_page(*(reports.student_page(report(n), [CHAPTER]) for n in files))
 
 
 def test_gradescope_and_junit_can_be_read_back(name):

@@ -74,7 +74,7 @@ def test_a_remembered_verdict_is_the_one_that_would_be_found(open_worker):
         for one in record["judged"]:
             del one["seconds"]
         # Pages have pictures, which take their time: these two are of a wrong value and of an exception.
-        page = reports.student_page(report, CHAPTERS[:2], 5) if name in ("wrong", "raises") else ""
+        page = reports.student_page(report, CHAPTERS[:2]) if name in ("wrong", "raises") else ""
         return report.points, record, gradebook.gradescope(report), page
 
     recall = Recall(5)

@@ -4,6 +4,7 @@ import ast
 
 import pytest
 
+from gpcourse.sandbox.effects import Effects
 from gpcourse.sandbox.program import Program, parse
 
 
@@ -185,3 +186,81 @@ def test_cells_that_are_read_later_take_their_places():
     later.add(cells[:4])
     assert [s.cell for s in later.statements] == [s.cell for s in whole.statements]
     assert later.cells_for("h") == whole.cells_for("h") == [1, 2, 4, 5, 6, 7]
+
+
+def run_most(name, *cells):
+    namespace = {}
+    program = Program(enumerate(cells, start=1))
+    for statement in Effects(program).needed_at_most(name):
+        exec(statement.compile(program.flags), namespace)
+    return namespace
+
+
+REGISTER = "R = {}\ndef register(f):\n    R[f.__name__] = f\n    return f"
+DISPATCH = "from functools import singledispatch\n@singledispatch\ndef h(x): return 0"
+INDIRECT = [
+    (REGISTER, "@register\ndef g(x): return 2 * x", "def f(x): return R['g'](x)"),
+    (DISPATCH, "@h.register\ndef _(x: int): return 2 * x", "def f(x): return h(x)"),
+    ("T = {}\ndef fill():\n    T['k'] = 2", "fill()", "def f(x): return T['k'] * x"),
+    ("T = []\ndef fill(t): t.append(2)", "fill(T)", "def f(x): return T[0] * x"),
+    ("import numpy as np\nT = np.zeros(1)", "np.add.at(T, [0], 2)", "def f(x): return T[0] * x"),
+    ("import heapq\nT = []", "heapq.heappush(T, 2)", "def f(x): return T[0] * x"),
+    ("T = [1]\nU = T", "U[0] = 2", "def f(x): return T[0] * x"),
+    ("def setup():\n    global K\n    K = 2", "setup()", "def f(x): return K * x"),
+    ("def make():\n    global f\n    def f(x): return 2 * x", "make()"),
+    ("class A: pass\ndef g(self, x): return 2 * x", "setattr(A, 'g', g)", "def f(x): return A().g(x)"),
+    ("class A:\n    def build(self): self.k = 2", "a = A()\na.build()", "def f(x): return a.k * x"),
+    ("exec('def f(x): return 2 * x')",),
+    ("def g(x): return 2 * x", "def f(x): return eval('g(x)')"),
+    ("globals()['g'] = lambda x: 2 * x", "def f(x): return g(x)"),
+    ("for n in 'KL':\n    globals()[n] = 2", "def f(x): return K * x"),
+]
+
+
+@pytest.mark.parametrize("cells", INDIRECT)
+def test_what_acts_on_a_name_without_binding_it_may_be_needed(cells):
+    assert run_most("f", *cells)["f"](3) == 6
+    program = Program(enumerate(cells, start=1))
+    assert len(program.needed("f")) < len(Effects(program).needed_at_most("f"))
+
+
+@pytest.mark.parametrize(
+    "demonstration",
+    [
+        "while True: f(3)",
+        "print(f(T[0]))",
+        "plt.plot(T)",
+        "check(f)",
+        "y = f(3)",
+        "y = [f(t) for t in T]\nshow(y)",
+    ],
+)
+def test_a_demonstration_is_never_needed(demonstration):
+    program = Program([(1, "import math\nT = [1]"), (2, "def f(x): return T[0] * x"), (3, demonstration)])
+    assert Effects(program).needed_at_most("f") == program.needed("f")
+
+
+@pytest.mark.parametrize(
+    ("cells"),
+    [
+        ("print([K := 2])", "def f(): return K"),
+        ("[K := i for i in (1, 2)]", "def f(): return K"),
+        ("T = [1, 2]\n_ = T.pop(0)", "def f(): return T[0]"),
+        ("T = [1, 2]\ndel T[0]", "def f(): return T[0]"),
+        ("T = []\n[T.append(i) for i in (2, 3)]", "def f(): return T[0]"),
+        ("T = {}\nT.setdefault('k', []).append(2)", "def f(): return T['k'][0]"),
+        ("%time K = 2", "def f(): return K"),
+        ("%pip install a \\\n  b\nK = 2", "def f(): return K"),
+        ("    K = 2\n    def g(): return K", "def f(): return g()"),
+        (">>> def g():\n...     return 2\n", "def f(): return g()"),
+    ],
+)
+def test_ways_to_bind_and_to_change(cells):
+    assert run("f", *cells)["f"]() == 2
+
+
+def test_a_function_of_a_module_does_not_change_the_module():
+    program = Program(
+        [(1, "import numpy as np"), (2, "y = np.sort([2, 1])\nprint(np.add(1, 2))"), (3, "def f(): np")]
+    )
+    assert [s.cell for s in program.needed("f")] == [1, 3]

@@ -371,6 +371,21 @@ def test_answers_that_are_kept_do_not_fill_our_memory(worker):
     assert ask(w, "g").value == 1
 
 
+def test_what_is_asked_again_may_answer_as_much_again(worker):
+    w = worker("import numpy as np\ndef f(): return np.zeros(10**5)", answers=2**20)
+    for _ in range(3):
+        assert ask(w, "f").status == "returned"
+        w.renew("f")
+
+
+def test_a_function_may_be_asked_with_all_that_it_may_need(worker):
+    w = worker("T = []\ndef fill(t): t.append(2)", "fill(T)", "def f(): return T[0]\ndef g(): return 1")
+    assert w.survey(["f", "g"]).unsure == ("f",)
+    assert ask(w, "f").status == "raised"
+    w.renew("f", most=True)
+    assert ask(w, "f").value == 2
+
+
 def test_a_message_may_be_long_and_stays_what_it_is(worker):
     w = worker("def f(): raise ValueError('3 ' + 'x' * 3 * 10**6)\ny = [1] + 'x'\ndef g(): return y")
     trouble = ask(w, "f").trouble

@@ -101,6 +101,20 @@ NUMBERS = [
     ),
     Work("names that come later", "def twice(x):\n    ran()\n    return FACTOR * x\nFACTOR = 1\nFACTOR += 1"),
     Work(
+        "a table that a function fills",
+        "T = {}\ndef fill():\n    T['k'] = 2\nfill()\ndef twice(x):\n    ran()\n    return T['k'] * x",
+    ),
+    Work(
+        "functions in a registry",
+        "R = {}\ndef register(f):\n    R[f.__name__] = f\n    return f\n@register\ndef g(x): return 2 * x\n"
+        "def twice(x):\n    ran()\n    return R['g'](x)",
+    ),
+    Work(
+        "functions called by their names",
+        "def g(x): return 2 * x\ndef twice(x):\n    ran()\n    return globals()['g'](x)",
+    ),
+    Work("a function made from a text", "exec('def twice(x):\\n    ran()\\n    return 2 * x')"),
+    Work(
         "magics and shell lines",
         "%matplotlib inline\n!pip install nothing\nfiles = !ls\ndef twice(x):\n    ran()\n    return 2 * x\n%timeit twice(3)",
     ),

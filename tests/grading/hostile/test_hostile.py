@@ -238,14 +238,14 @@ def outputs_are_harmless(report):
     exercises = [one.verdict.exercise for one in report.judged]
     table = gradebook.grades_csv([report], exercises)
     pages = [
-        reports.student_page(report, CHAPTERS[:1], 0),
+        reports.student_page(report, CHAPTERS[:1]),
         reports.class_page([report], CHAPTERS[:1], exercises, 0, {report.student: "ada"}),
     ]
     console = [
         feedback.as_text(one.verdict, answers=answers) for one in report.judged for answers in (True, False)
     ]
     texts = [table, *pages, *console, gradebook.gradescope(report), junit([report])]
-    plain = reports.student_page(replace(report, judged=()), CHAPTERS[:1], 0)
+    plain = reports.student_page(replace(report, judged=()), CHAPTERS[:1])
     assert max(map(len, texts)) < 100_000
     assert not any(c in text for text in texts for c in "\x1b\0")
     assert pages[0].count("<script") == plain.count("<script")

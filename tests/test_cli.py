@@ -197,6 +197,8 @@ def test_grade_writes_a_grade_book_and_says_where(submissions, tmp_path):
     assert "2 submissions: 2 graded" in result.output
     assert str(tmp_path / "grades" / "index.html") in result.output
     assert (tmp_path / "grades" / "grades.csv").is_file()
+    assert "--seed" not in result.stderr
+    assert "Seed 0" in run("grade", submissions, "--out", tmp_path / "0", "--allow-unconfined").stderr
 
 
 def test_grade_as_json_and_quietly(submissions, tmp_path):

@@ -158,3 +158,6 @@ def _show(book: GradeBook) -> None:
         click.echo(f"{book.resumed} of them had been graded before, and were not graded again")
     click.echo(f"The table is {book.table}")
     click.echo(f"The report is {book.page}")
+    if book.seed == 0:
+        hint = "Seed 0 is the one that students check with; --seed NUMBER draws inputs that nobody has seen"
+        click.echo(hint, err=True)
